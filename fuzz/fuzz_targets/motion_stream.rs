@@ -1,9 +1,10 @@
-//! Any bytes as a motion stream of the rig that its head describes: a clip, or an error.
+//! Any bytes as a motion stream of the rig that its head describes: a clip, or an error. Version 1, which has
+//! no checksums, leads deep into the decoder.
 #![no_main]
 
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{Articulation, JointArticulation, Region, Rig, Transform};
-use articula_stream::abp2::{MotionHead, MotionReceiver, motion_map};
+use articula_stream::abp2::{CarriedSkeleton, MotionHead, MotionReceiver, motion_map, prefix_map};
 use articula_stream::{CutRule, StreamLimits, cut};
 use libfuzzer_sys::fuzz_target;
 
@@ -16,6 +17,10 @@ fuzz_target!(|bytes: &[u8]| {
         let rule = CutRule::default().at_least("tier", 1).at_most("loa", 2);
         let part = cut(bytes, &map, |unit| rule.keeps(unit)).unwrap();
         assert_eq!(motion_map(&part.bytes, &limits), Ok(part.unit));
+        assert_eq!(prefix_map(bytes, &limits), Ok(map));
+    }
+    if let Ok(Some(carried)) = CarriedSkeleton::open(bytes, &limits) {
+        Rig::new(&carried.skeleton, carried.articulation).unwrap();
     }
     let Ok(head) = MotionHead::open(bytes, &limits) else {
         return;

@@ -63,13 +63,15 @@ mod points;
 mod pose_cache;
 mod poses;
 mod reduce;
+mod resampling_error;
+mod sampling_rate;
 mod scene;
 mod simplify;
 mod split_mix;
 mod surface_distance;
 
 pub use character::{Asset, character, rig_and_mesh, sampled_clip};
-pub use clip::{ClipOptions, source_rate_hz};
+pub use clip::{ClipOptions, sampling_rate_hz};
 pub use clusters::{ClusterOrder, Clustered, cluster};
 pub use decimate::decimate;
 pub use expression::{bake, resolve};
@@ -78,7 +80,9 @@ pub use joint_lods::{
     FarLevels, JointLodOptions, MergedLevels, far_levels, far_order, joint_lods, level_skins,
     levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods, skin_of,
 };
-pub use joint_scheme::{InsertedJoint, JointEdit, MergedJoint, SchemeChange, set_joint_scheme};
+pub use joint_scheme::{
+    InsertedJoint, JointEdit, JointScheme, MergedJoint, SchemeChange, set_joint_scheme,
+};
 pub use mesh_levels::{
     LeftOutLevel, LeftOutReason, MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix,
     measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,
@@ -95,6 +99,8 @@ pub use pose_cache::{
 };
 pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses, positions};
 pub use reduce::{ClipSize, clip_size, hold_joints_in_clip, whole_clip_size};
+pub use resampling_error::{Played, ResamplingError, resampling_error};
+pub use sampling_rate::source_rate_hz;
 pub use scene::{
     ClipPlayback, CrossFade, Cue, IMPORTANCE_RANGE, PLAZA_COUNT, Plaza, Role, Scene,
     SceneCharacter, SceneImportance, SceneView, USUAL_ROLES, Wall, Zone, plaza,

@@ -3,8 +3,9 @@
 use articula::core::Viewport;
 use articula::formats::UpAxis;
 use articula::formats::mpeg4::fap::AbsentPolicy;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// A character file and the meshes of it that are used.
 #[derive(Debug, Clone, Args)]
@@ -33,80 +34,75 @@ impl CharacterArgs {
     }
 }
 
-/// Up axis of a file that does not state it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum UpArgument {
-    /// +Y, as in most files
-    Y,
-    /// +Z, as in some capture systems
-    Z,
-}
-
-/// Value of a FAP or BAP parameter in frames whose mask leaves it out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LeftOut {
-    /// Its last value, as in the standard
-    Hold,
-    /// Zero, the neutral value, as in the reference encoder
-    Zero,
-}
-
-/// How a file is read: joint maps and, where the file does not state them, its unit and up axis.
+/// How files are read: joint maps, and what a file does not state.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ReadArgs {
     /// JSON file with your joint map, used instead of all others if it fits (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) joint_map: Vec<PathBuf>,
-    /// Length of one file unit in metres [default: estimated from the figure's size for BVH, ASF
-    /// and BVA, 1 for all others]
-    #[arg(long, value_name = "M", value_parser = positive)]
+    /// What files do not state, instead of a guess: unit-metres=M, the length of one unit; up=y or
+    /// up=z, of BVH, ASF and BVA; skeleton=F.asf and amc-rate-hz=HZ, of an AMC motion; absent=hold or
+    /// absent=zero, a FAP or BAP parameter in frames whose mask leaves it out; first-frame=skip leaves
+    /// out the first frame of each clip, with which captures often show the rest pose
+    #[arg(long, value_name = "KEY=VALUE,…", value_parser = read_settings)]
+    pub(crate) read: Option<ReadSettings>,
+}
+
+/// What files do not state.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct ReadSettings {
+    /// Length of one unit of the file in metres.
     pub(crate) unit_metres: Option<f32>,
-    /// Axis that points up, for BVH, ASF and BVA [default: detected from the position of the head]
-    #[arg(long, value_enum, value_name = "AXIS")]
-    pub(crate) up: Option<UpArgument>,
-    /// ASF file with the skeleton of an AMC motion [default: the .asf file with the same name in
-    /// the same folder]
-    #[arg(long, value_name = "F.asf")]
+    /// Axis that points up.
+    pub(crate) up: UpAxis,
+    /// ASF file with the skeleton of an AMC motion.
     pub(crate) skeleton: Option<PathBuf>,
-    /// Frame rate of an AMC motion in hertz [default: as stated in the file, else 120]
-    #[arg(long, value_name = "HZ", value_parser = positive)]
+    /// Frame rate of an AMC motion in hertz.
     pub(crate) amc_rate_hz: Option<f32>,
-    /// Value of a FAP or BAP parameter in frames whose mask leaves it out [default: hold]
-    #[arg(long, value_enum, value_name = "WHAT")]
-    pub(crate) absent: Option<LeftOut>,
+    /// Value of a FAP or BAP parameter in frames whose mask leaves it out.
+    pub(crate) absent: AbsentPolicy,
+    /// Whether the first frame of each clip is left out.
+    pub(crate) skip_first_frame: bool,
+}
+
+fn read_settings(text: &str) -> Result<ReadSettings, String> {
+    const UP: &[(&str, UpAxis)] = &[("y", UpAxis::Y), ("z", UpAxis::Z)];
+    const ABSENT: &[(&str, AbsentPolicy)] =
+        &[("hold", AbsentPolicy::Hold), ("zero", AbsentPolicy::Zero)];
+    const FIRST: &[(&str, bool)] = &[("keep", false), ("skip", true)];
+    settings(text, |to: &mut ReadSettings, key, value| {
+        match key {
+            "unit-metres" => to.unit_metres = Some(positive(value)?),
+            "up" => to.up = word(value, UP)?,
+            "skeleton" => to.skeleton = Some(file(value)?),
+            "amc-rate-hz" => to.amc_rate_hz = Some(positive(value)?),
+            "absent" => to.absent = word(value, ABSENT)?,
+            "first-frame" => to.skip_first_frame = word(value, FIRST)?,
+            _ => {
+                return Ok(Some(
+                    "unit-metres, up, skeleton, amc-rate-hz, absent, first-frame",
+                ));
+            }
+        }
+        Ok(None)
+    })
 }
 
 impl ReadArgs {
     /// The files that tell how others are read.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
-        let all = self.joint_map.iter().chain(&self.skeleton);
-        all.map(PathBuf::as_path)
+        let skeleton = self.read.iter().flat_map(|read| &read.skeleton);
+        self.joint_map.iter().chain(skeleton).map(PathBuf::as_path)
     }
 
     /// Whether a flag is given.
     pub(crate) fn asks(&self) -> bool {
-        self.inputs().next().is_some()
-            || self.unit_metres.is_some()
-            || self.up.is_some()
-            || self.amc_rate_hz.is_some()
-            || self.absent.is_some()
+        !self.joint_map.is_empty() || self.read.is_some()
     }
 
-    /// Up axis of a file that does not state it.
-    pub(crate) fn up(&self) -> UpAxis {
-        match self.up {
-            None => UpAxis::Auto,
-            Some(UpArgument::Y) => UpAxis::Y,
-            Some(UpArgument::Z) => UpAxis::Z,
-        }
-    }
-
-    /// Value of a parameter in frames whose mask leaves it out.
-    pub(crate) fn absent(&self) -> AbsentPolicy {
-        match self.absent {
-            None | Some(LeftOut::Hold) => AbsentPolicy::Hold,
-            Some(LeftOut::Zero) => AbsentPolicy::Zero,
-        }
+    /// What files do not state.
+    pub(crate) fn settings(&self) -> ReadSettings {
+        self.read.clone().unwrap_or_default()
     }
 }
 
@@ -132,6 +128,46 @@ impl ViewArgs {
     }
 }
 
+/// Parses `KEY=VALUE,…`, each key at most once. `set` takes a key and its value; of a key that it does
+/// not know, it returns the keys that there are.
+pub(crate) fn settings<T: Default>(
+    text: &str,
+    set: impl Fn(&mut T, &str, &str) -> Result<Option<&'static str>, String>,
+) -> Result<T, String> {
+    let mut made = T::default();
+    let mut given = Vec::new();
+    for pair in text.split(',') {
+        let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
+        let [key, value] = [key.trim(), value.trim()];
+        if given.contains(&key) {
+            return Err(format!("{key} is given twice"));
+        }
+        given.push(key);
+        let unknown = set(&mut made, key, value).map_err(|what| format!("{key}: {what}"))?;
+        if let Some(keys) = unknown {
+            return Err(format!("unknown key \"{key}\"; keys are {keys}"));
+        }
+    }
+    Ok(made)
+}
+
+/// The meaning of a word among those known.
+pub(crate) fn word<T: Copy>(text: &str, known: &[(&str, T)]) -> Result<T, String> {
+    let found = known.iter().find(|(word, _)| *word == text);
+    found.map(|(_, meaning)| *meaning).ok_or_else(|| {
+        let words: Vec<&str> = known.iter().map(|(word, _)| *word).collect();
+        format!("expected {}", words.join(" or "))
+    })
+}
+
+/// Parses the name of a file.
+pub(crate) fn file(text: &str) -> Result<PathBuf, String> {
+    match text {
+        "" => Err("expected a file".into()),
+        text => Ok(text.into()),
+    }
+}
+
 /// Parses the width and height of a picture, 16 to 16384 pixels.
 pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
     let parts = text.split_once(['x', 'X']);
@@ -146,39 +182,48 @@ pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected width x height of 16 to 16384 pixels, such as 1280x720".into())
 }
 
+/// Parses a finite number for which `holds` is true; `what` says which.
+pub(crate) fn number<T: FromStr + Copy + Into<f64>>(
+    text: &str,
+    holds: impl Fn(f64) -> bool,
+    what: &str,
+) -> Result<T, String> {
+    let number = text.trim().parse::<T>().ok();
+    let number = number.filter(|n| (*n).into().is_finite() && holds((*n).into()));
+    number.ok_or_else(|| format!("expected {what}"))
+}
+
 /// Parses a vertical field of view in degrees.
 pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
-    let angle = text.parse::<f32>().ok();
-    let angle = angle.filter(|a| (1.0..=170.0).contains(a));
-    angle.ok_or_else(|| "expected an angle of 1 to 170 degrees".into())
+    number(
+        text,
+        |n| (1.0..=170.0).contains(&n),
+        "an angle of 1 to 170 degrees",
+    )
 }
 
 /// Parses a finite number.
 pub(crate) fn finite(text: &str) -> Result<f32, String> {
-    let number = text.parse::<f32>().ok();
-    let number = number.filter(|n| n.is_finite());
-    number.ok_or_else(|| "expected a number".into())
+    number(text, |_| true, "a number")
 }
 
 /// Parses a finite number above zero.
 pub(crate) fn positive(text: &str) -> Result<f32, String> {
-    let number = text.parse::<f32>().ok();
-    let number = number.filter(|n| n.is_finite() && *n > 0.0);
-    number.ok_or_else(|| "expected a number above 0".into())
+    number(text, |n| n > 0.0, "a number above 0")
 }
 
 /// Parses a tolerance that a motion stream can state.
 pub(crate) fn skin_millimetres(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok();
-    let number = number.filter(|mm| (0.001..=65.535).contains(mm));
-    number.ok_or_else(|| "expected millimetres from 0.001 to 65.535".into())
+    number(
+        text,
+        |mm| (0.001..=65.535).contains(&mm),
+        "millimetres from 0.001 to 65.535",
+    )
 }
 
 /// Parses a finite number that is not negative.
 pub(crate) fn not_negative(text: &str) -> Result<f32, String> {
-    let number = text.parse::<f32>().ok();
-    let number = number.filter(|n| n.is_finite() && *n >= 0.0);
-    number.ok_or_else(|| "expected a number of 0 or above".into())
+    number(text, |n| n >= 0.0, "a number of 0 or above")
 }
 
 #[cfg(test)]
@@ -194,5 +239,31 @@ mod tests {
         assert!(field_of_view("NaN").is_err() && field_of_view("180").is_err());
         assert!(positive("inf").is_err() && positive("0").is_err() && positive("2").is_ok());
         assert!(not_negative("0").is_ok() && not_negative("-1").is_err());
+    }
+
+    #[test]
+    fn settings_are_typed_and_told_once() {
+        let read = read_settings("unit-metres=0.01, up=z,absent=zero,skeleton=a=b.asf").unwrap();
+        let expected = ReadSettings {
+            unit_metres: Some(0.01),
+            up: UpAxis::Z,
+            skeleton: Some("a=b.asf".into()),
+            amc_rate_hz: None,
+            absent: AbsentPolicy::Zero,
+            skip_first_frame: false,
+        };
+        assert_eq!(read, expected);
+        for (bad, mend) in [
+            ("", "keys are unit-metres, up, skeleton"),
+            ("size=2", "unknown key \"size\""),
+            ("up=x", "up: expected y or z"),
+            ("up", "up: expected y or z"),
+            ("amc-rate-hz=0", "amc-rate-hz: expected a number above 0"),
+            ("skeleton=", "expected a file"),
+            ("up=y,up=y", "up is given twice"),
+        ] {
+            let what = read_settings(bad).unwrap_err();
+            assert!(what.contains(mend), "{bad}: {what}");
+        }
     }
 }

@@ -5,16 +5,11 @@ use crate::commands::{
 };
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Animates virtual humans at the level of detail that the viewer can see.
 #[derive(Debug, Parser)]
-#[command(
-    name = "articula",
-    version,
-    propagate_version = true,
-    max_term_width = 100
-)]
+#[command(name = "articula", version, max_term_width = 100)]
 #[command(arg_required_else_help = true, subcommand_required = true)]
 #[command(after_help = "Exit status: 0 done, 1 faulty input or environment, 2 wrong usage.")]
 pub(crate) struct CommandLine {
@@ -67,7 +62,7 @@ pub(crate) enum Command {
     /// Prepare an asset: store articulation, motion tables and mesh levels in a GLB
     Build(build::BuildArgs),
     /// Play a clip under motion level of detail; report the updates saved and the error in pixels
-    Lod(lod::LodArgs),
+    Lod(Box<lod::LodArgs>),
     /// Simulate a crowd of one character; report frame time, memory and error in pixels
     Crowd(crowd::CrowdArgs),
     /// Convert an animated character to 2D: animated SVG, Lottie, talking portrait, still picture
@@ -82,10 +77,29 @@ pub(crate) enum Command {
     Completions(completions::CompletionsArgs),
 }
 
+impl Command {
+    /// Runs the command.
+    pub(crate) fn run(&self, console: &Console) -> anyhow::Result<()> {
+        match self {
+            Self::Demo(args) => demo::run(args, console),
+            Self::Inspect(args) => inspect::run(args, console),
+            Self::Convert(args) => convert::run(args, console),
+            Self::Human(args) => human::run(args, console),
+            Self::Build(args) => build::run(args, console),
+            Self::Lod(args) => lod::run(args, console),
+            Self::Crowd(args) => crowd::run(args, console),
+            Self::Flatten(args) => flatten::run(args, console),
+            Self::Package(args) => package::run(args, console),
+            Self::Adapt(args) => adapt::run(args, console),
+            Self::Gbsd(args) => gbsd::run(args, console),
+            Self::Completions(args) => completions::run(args, CommandLine::command(), console),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_well_formed() {

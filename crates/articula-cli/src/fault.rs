@@ -50,7 +50,7 @@ pub(crate) fn text(fault: &anyhow::Error) -> String {
             } else {
                 " or name it"
             };
-            format!("{text}{or} with --skeleton F.asf")
+            format!("{text}{or} with --read skeleton=F.asf")
         }
         Some(articula::Error::Exists(_)) => format!("{text}, or replace it with --force"),
         _ => text,

@@ -1,7 +1,10 @@
 //! Paths of the command line, and small files that it names.
 
+use anyhow::Context;
+use articula::flat::Picture;
 use articula::{DataFormat, Format};
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 pub(crate) use articula::fs::{Files, in_folder, is_item, shown};
 
@@ -18,6 +21,39 @@ pub(crate) fn data_format(path: &Path) -> Option<DataFormat> {
 /// Reads a whole file of at most `limit` bytes; pipes and devices are cut off there too.
 pub(crate) fn read(path: &Path, limit: u64) -> anyhow::Result<Vec<u8>> {
     Ok(articula::fs::read(path, limit)?)
+}
+
+/// The extension of a file name in lower case.
+pub(crate) fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().to_lowercase()
+}
+
+/// Writes a picture; returns its path for a report.
+pub(crate) fn write_png(files: &Files, path: &Path, picture: &Picture) -> anyhow::Result<String> {
+    let bytes = picture.to_png().with_context(|| shown(path))?;
+    files.write(path, &bytes)?;
+    Ok(shown(path))
+}
+
+/// Writes files into a folder, by their names there, and makes the folders that they need; returns
+/// path and size of each.
+pub(crate) fn write_folder(
+    files: &Files,
+    folder: &Path,
+    named: impl IntoIterator<Item = (String, Vec<u8>)>,
+) -> anyhow::Result<Vec<(PathBuf, usize)>> {
+    let path = |(name, bytes)| (folder.join::<String>(name), bytes);
+    let all: Vec<(PathBuf, Vec<u8>)> = named.into_iter().map(path).collect();
+    let folders: BTreeSet<&Path> = all.iter().filter_map(|(path, _)| path.parent()).collect();
+    for folder in [folder].into_iter().chain(folders) {
+        files.make_folder(folder)?;
+    }
+    files.write_all(&all)?;
+    Ok(all
+        .into_iter()
+        .map(|(path, bytes)| (path, bytes.len()))
+        .collect())
 }
 
 /// Whether two paths name the same existing file.

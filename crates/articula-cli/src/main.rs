@@ -11,9 +11,6 @@ mod arguments;
 mod command_line;
 mod commands;
 mod console;
-mod crowd;
-mod dispatch;
-mod face_pictures;
 mod fault;
 mod files;
 mod open;
@@ -27,7 +24,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let line = command_line::CommandLine::parse();
     let console = line.console();
-    match dispatch::run(&line.command, &console) {
+    match line.command.run(&console) {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => {
             console.fault(&fault);

@@ -27,6 +27,15 @@ pub(crate) fn character(
     Ok(files.open(path, &options(args)?)?)
 }
 
+/// Opens a character whose clips are what it is read for.
+pub(crate) fn motion(files: &Files, path: &Path, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
+    let mut opened = character(files, path, args)?;
+    if args.settings().skip_first_frame {
+        opened.skip_first_frames()?;
+    }
+    Ok(opened)
+}
+
 /// A stream that was read.
 pub(crate) struct Stream {
     /// Which one it is, by how it begins.
@@ -118,11 +127,16 @@ pub(crate) fn tracks(path: &Path) -> anyhow::Result<Vec<TrackInspection>> {
     Ok(inspect_mp4(&bytes, &files::shown(path), &limits)?)
 }
 
+/// Opens a character and leaves out unwanted meshes.
+pub(crate) fn kept(files: &Files, args: &CharacterArgs) -> anyhow::Result<CharacterFile> {
+    let mut opened = motion(files, &args.file, &args.names)?;
+    opened.keep_meshes(&args.only, &args.hide)?;
+    Ok(opened)
+}
+
 /// Opens a character, leaves out unwanted meshes and builds the figure.
 pub(crate) fn figure(files: &Files, args: &CharacterArgs) -> anyhow::Result<Figure> {
-    let mut opened = character(files, &args.file, &args.names)?;
-    opened.keep_meshes(&args.only, &args.hide)?;
-    Ok(Figure::new(opened)?)
+    Ok(Figure::new(kept(files, args)?)?)
 }
 
 /// Opens a file that holds data without a character.
@@ -135,14 +149,15 @@ pub(crate) fn data(path: &Path, format: DataFormat, args: &ReadArgs) -> anyhow::
 /// The options of the library that correspond to the flags.
 fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     let limits = Limits::default();
-    let skeleton = args.skeleton.as_ref();
+    let given = args.settings();
+    let skeleton = given.skeleton.map(|path| files::read(&path, limits.bytes));
     Ok(OpenOptions {
         joint_maps: joint_maps(args)?,
-        unit_metres: args.unit_metres,
-        up: args.up(),
-        skeleton: skeleton.map(|p| files::read(p, limits.bytes)).transpose()?,
-        amc_rate_hz: args.amc_rate_hz,
-        absent: args.absent(),
+        unit_metres: given.unit_metres,
+        up: given.up,
+        skeleton: skeleton.transpose()?,
+        amc_rate_hz: given.amc_rate_hz,
+        absent: given.absent,
         limits,
     })
 }
@@ -170,10 +185,13 @@ pub(crate) fn warnings(warnings: &[Warning]) -> Vec<String> {
 pub(crate) fn advised(warning: &Warning) -> String {
     let flag = match warning.guess {
         None => return warning.what.clone(),
-        Some(Assumption::Unit) => "--unit-metres M",
-        Some(Assumption::UpAxis) => "--up y or --up z",
-        Some(Assumption::Rate) => "--amc-rate-hz HZ",
-        Some(Assumption::Skeleton) => "--skeleton F.asf",
+        Some(Assumption::Unit) => "--read unit-metres=M",
+        Some(Assumption::UpAxis) => "--read up=y or up=z",
+        Some(Assumption::Rate) => "--read amc-rate-hz=HZ",
+        Some(Assumption::Skeleton) => "--read skeleton=F.asf",
+        Some(Assumption::FirstFrame) => {
+            return format!("{}; --read first-frame=skip leaves it out", warning.what);
+        }
     };
     format!("{}; give {flag} if that is wrong", warning.what)
 }
@@ -185,10 +203,7 @@ pub(crate) fn face_points(
 ) -> anyhow::Result<Vec<(PointId, Vec3)>> {
     let limits = Limits::default();
     let bytes = files::read(path, limits.bytes)?;
-    let is_fdp = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"));
-    if is_fdp {
+    if files::extension(path) == "fdp" {
         let fdp = mpeg4::fdp::read(&bytes, &limits).with_context(|| files::shown(path))?;
         return fdp_points(character, &fdp.value).with_context(|| files::shown(path));
     }
@@ -210,11 +225,11 @@ mod tests {
             })
         };
         let guessed = |guess| warned("inches", Some(guess));
-        let said = "inches; give --unit-metres M if that is wrong";
+        let said = "inches; give --read unit-metres=M if that is wrong";
         assert_eq!(guessed(Assumption::Unit), said);
-        let said = "inches; give --up y or --up z if that is wrong";
+        let said = "inches; give --read up=y or up=z if that is wrong";
         assert_eq!(guessed(Assumption::UpAxis), said);
-        let said = "inches; give --amc-rate-hz HZ if that is wrong";
+        let said = "inches; give --read amc-rate-hz=HZ if that is wrong";
         assert_eq!(guessed(Assumption::Rate), said);
         assert_eq!(warned("odd", None), "odd");
     }

@@ -81,6 +81,12 @@ fn is_number(cell: &str) -> bool {
     cell.is_empty() || cell == "-" || digits.replace('/', "").parse::<f64>().is_ok()
 }
 
+/// Warnings, one on each line.
+pub(crate) fn warnings(all: &[String]) -> String {
+    let line = |warning: &String| format!("warning: {}\n", clean(warning));
+    all.iter().map(line).collect()
+}
+
 fn shortened(text: &str) -> String {
     let count = length(text);
     if count <= WIDEST {

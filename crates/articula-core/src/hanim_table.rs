@@ -9,7 +9,7 @@
 //!
 //! The region counts of the thesis (feet 4, hands 40) fit no partition of the standard joints; here
 //! the subtalars belong to the feet (6) and the hands have 38. The joints with which they fit are
-//! those of a [`JointScheme`](crate::JointScheme).
+//! those of a joint scheme (`articula_build::JointScheme`).
 
 use crate::articulation::Region;
 use glam::Vec3;

@@ -1,8 +1,8 @@
 //! Materials, and textures with their mip levels.
 
 use crate::picture::{Picture, linear_table};
-use articula_core::source::{Image, Material};
-use glam::{Vec2, Vec4};
+use articula_core::source::{Image, Material, TextureWrap};
+use glam::{Vec2, Vec3, Vec4};
 use std::sync::Arc;
 
 /// Materials of a character with their decoded textures.
@@ -29,7 +29,8 @@ impl Appearance {
         let mut faults = Vec::new();
         let mut textures = Vec::with_capacity(images.len());
         for (i, image) in images.iter().enumerate() {
-            let named = materials.iter().any(|m| m.base_color_image == Some(i));
+            let shows = |m: &Material| [m.base_color_image, m.emissive_image].contains(&Some(i));
+            let named = materials.iter().any(shows);
             let decoded = named.then(|| Picture::decode(&image.bytes));
             textures.push(match decoded {
                 None => None,
@@ -65,9 +66,95 @@ impl Appearance {
         self.textures.get(image).is_some_and(Option::is_some)
     }
 
-    /// Returns the decoded texture of a material; `None` without one.
-    pub(crate) fn texture_of(&self, material: &Material) -> Option<&Texture> {
-        self.textures.get(material.base_color_image?)?.as_deref()
+    /// Returns the decoded base colour texture of a material; `None` without one.
+    pub(crate) fn texture_of(&self, material: &Material) -> Option<WrappedTexture<'_>> {
+        self.wrapped(material.base_color_image?, material.base_color_wrap)
+    }
+
+    /// Returns what a material gives off by itself.
+    pub(crate) fn emission_of(&self, material: &Material) -> Emission<'_> {
+        let image = material.emissive_image;
+        Emission {
+            light: material.emissive,
+            texture: image.and_then(|i| self.wrapped(i, material.emissive_wrap)),
+        }
+    }
+
+    fn wrapped(&self, image: usize, wrap: [TextureWrap; 2]) -> Option<WrappedTexture<'_>> {
+        let texture = self.textures.get(image)?.as_deref()?;
+        Some(WrappedTexture { texture, wrap })
+    }
+
+    /// Share of a material's colour that does not depend on the light, 0 to 1: all of an unlit one,
+    /// none of one that gives off nothing, else by the luminances of base colour and emission.
+    pub fn own_light(&self, material: &Material) -> f32 {
+        if material.unlit {
+            return 1.0;
+        }
+        let mean = |texture: Option<WrappedTexture<'_>>| {
+            texture.map_or(Vec3::ONE, |t| t.texture.mean().truncate())
+        };
+        let luminance = |color: Vec3| color.dot(Vec3::new(0.2126, 0.7152, 0.0722)).max(0.0);
+        let emission = self.emission_of(material);
+        let own = luminance(emission.light * mean(emission.texture));
+        let lit = luminance(material.base_color.truncate() * mean(self.texture_of(material)));
+        if own > 0.0 { own / (own + lit) } else { 0.0 }
+    }
+
+    /// Share of the texels of a material's base colour texture that are neither transparent nor
+    /// opaque, 0 to 1; without a texture 1 or 0, by the factor.
+    pub fn partly_transparent(&self, material: &Material) -> f32 {
+        let is_partial = |alpha: f32| (0.02..0.98).contains(&(alpha * material.base_color.w));
+        let Some(WrappedTexture { texture, .. }) = self.texture_of(material) else {
+            return f32::from(u8::from(is_partial(1.0)));
+        };
+        let pixels = texture.levels[0].pixels();
+        let partial = pixels
+            .iter()
+            .filter(|p| is_partial(f32::from(p[3]) / 255.0));
+        partial.count() as f32 / pixels.len().max(1) as f32
+    }
+}
+
+/// What a surface gives off by itself.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Emission<'a> {
+    light: Vec3,
+    texture: Option<WrappedTexture<'a>>,
+}
+
+impl Emission<'_> {
+    /// Whether it differs between places of the surface.
+    pub(crate) fn has_texture(&self) -> bool {
+        self.texture.is_some()
+    }
+
+    /// Linear RGB at a texture coordinate.
+    pub(crate) fn at(&self, at: Vec2, level: usize) -> Vec3 {
+        match self.texture {
+            _ if self.light == Vec3::ZERO => Vec3::ZERO,
+            None => self.light,
+            Some(texture) => self.light * texture.sample(at, level).truncate(),
+        }
+    }
+}
+
+/// A texture with its continuation beyond its edges.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct WrappedTexture<'a> {
+    texture: &'a Texture,
+    wrap: [TextureWrap; 2],
+}
+
+impl WrappedTexture<'_> {
+    /// As [`Texture::level_for`].
+    pub(crate) fn level_for(&self, texture_area: f32, pixels: f32) -> usize {
+        self.texture.level_for(texture_area, pixels)
+    }
+
+    /// As [`Texture::sample`], with the texture's own continuation.
+    pub(crate) fn sample(&self, at: Vec2, level: usize) -> Vec4 {
+        self.texture.sample(at, level, self.wrap)
     }
 }
 
@@ -104,26 +191,58 @@ impl Texture {
         level.min(self.levels.len() - 1)
     }
 
-    /// Samples linear RGBA at a texture coordinate, bilinear; the texture repeats.
+    /// The mean of all texels, linear RGBA; white without texels.
+    fn mean(&self) -> Vec4 {
+        let pixels = self.levels.last().map_or(&[][..], Picture::pixels);
+        let sum: Vec4 = pixels.iter().map(|p| linear(*p)).sum();
+        match pixels.len() {
+            0 => Vec4::ONE,
+            count => sum / count as f32,
+        }
+    }
+
+    /// Samples linear RGBA at a texture coordinate, bilinear.
     ///
     /// A level beyond the last one counts as the last one.
-    pub(crate) fn sample(&self, at: Vec2, level: usize) -> Vec4 {
+    fn sample(&self, at: Vec2, level: usize, wrap: [TextureWrap; 2]) -> Vec4 {
         let picture = &self.levels[level.min(self.levels.len() - 1)];
         let (w, h) = (picture.width() as i64, picture.height() as i64);
         if w == 0 || h == 0 || !at.is_finite() {
             return Vec4::ONE;
         }
-        let place = (at - at.floor()) * Vec2::new(w as f32, h as f32) - 0.5;
+        let at = Vec2::new(turn(at.x, wrap[0]), turn(at.y, wrap[1]));
+        let place = at * Vec2::new(w as f32, h as f32) - 0.5;
         let corner = place.floor();
         let blend = place - corner;
         let texel = |dx: i64, dy: i64| {
-            let x = (corner.x as i64 + dx).rem_euclid(w);
-            let y = (corner.y as i64 + dy).rem_euclid(h);
+            let x = texel_of(corner.x as i64 + dx, w, wrap[0]);
+            let y = texel_of(corner.y as i64 + dy, h, wrap[1]);
             linear(picture.pixels()[(y * w + x) as usize])
         };
         let upper = texel(0, 0).lerp(texel(1, 0), blend.x);
         let lower = texel(0, 1).lerp(texel(1, 1), blend.x);
         upper.lerp(lower, blend.y)
+    }
+}
+
+/// A texture coordinate of the same colour, near the texture, where `f32` is exact enough.
+fn turn(at: f32, wrap: TextureWrap) -> f32 {
+    match wrap {
+        TextureWrap::Repeat => at - at.floor(),
+        TextureWrap::Mirror => at.rem_euclid(2.0),
+        TextureWrap::Clamp => at.clamp(0.0, 1.0),
+    }
+}
+
+/// The texel that is shown for one at or beyond the edges of a side of `count` texels.
+fn texel_of(index: i64, count: i64, wrap: TextureWrap) -> i64 {
+    match wrap {
+        TextureWrap::Repeat => index.rem_euclid(count),
+        TextureWrap::Clamp => index.clamp(0, count - 1),
+        TextureWrap::Mirror => {
+            let index = index.rem_euclid(2 * count);
+            index.min(2 * count - 1 - index)
+        }
     }
 }
 
@@ -143,8 +262,54 @@ mod tests {
     }
 
     #[test]
+    fn texels_beyond_the_edges_repeat_mirror_or_stay() {
+        // Red, green and blue from left to right.
+        let pixels = vec![[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255]];
+        let texture = Texture::new(Picture::from_pixels(3, 1, pixels).unwrap());
+        let colors = [
+            Vec4::new(1.0, 0.0, 0.0, 1.0),
+            Vec4::new(0.0, 1.0, 0.0, 1.0),
+            Vec4::new(0.0, 0.0, 1.0, 1.0),
+        ];
+        for (wrap, expected) in [
+            (TextureWrap::Repeat, [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2]),
+            (TextureWrap::Mirror, [2, 1, 0, 0, 1, 2, 2, 1, 0, 0, 1, 2]),
+            (TextureWrap::Clamp, [0, 0, 0, 0, 1, 2, 2, 2, 2, 2, 2, 2]),
+        ] {
+            for (i, color) in expected.into_iter().enumerate() {
+                let at = Vec2::new((i as f32 - 2.5) / 3.0, 0.5);
+                let found = texture.sample(at, 0, [wrap, TextureWrap::Clamp]);
+                assert!(
+                    (found - colors[color]).length() < 1e-4,
+                    "{wrap:?} {i}: {found}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_material_gives_off_is_its_share_of_the_colour() {
+        let of = |base: Vec3, emissive: Vec3, unlit| Material {
+            base_color: base.extend(1.0),
+            emissive,
+            unlit,
+            ..Material::default()
+        };
+        let share = |material: Material| Appearance::default().own_light(&material);
+        assert_eq!(share(of(Vec3::ONE, Vec3::ZERO, false)), 0.0);
+        assert_eq!(share(of(Vec3::ZERO, Vec3::ZERO, false)), 0.0);
+        assert_eq!(share(of(Vec3::ONE, Vec3::ZERO, true)), 1.0);
+        assert_eq!(share(of(Vec3::ZERO, Vec3::splat(9.0), false)), 1.0);
+        assert!((share(of(Vec3::ONE, Vec3::ONE, false)) - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
     fn blends_between_texels_and_repeats() {
-        let texture = Texture::new(checker());
+        let picture = Texture::new(checker());
+        let texture = WrappedTexture {
+            texture: &picture,
+            wrap: [TextureWrap::Repeat; 2],
+        };
         assert_eq!(texture.sample(Vec2::new(0.25, 0.25), 0), Vec4::W);
         assert_eq!(texture.sample(Vec2::new(1.75, -0.75), 0), Vec4::ONE);
         let middle = texture.sample(Vec2::new(0.5, 0.25), 0);

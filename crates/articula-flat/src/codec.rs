@@ -1,8 +1,9 @@
-//! PNG encoder and decoder, JPEG decoder.
+//! PNG encoder and decoder, decoders of JPEG and WebP.
 
 use crate::error::PictureError;
 use crate::item_buffer::MAX_SIDE;
 use crate::picture::{Picture, Rgba};
+use image_webp::WebPDecoder;
 use std::io::Cursor;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -65,7 +66,8 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// Decodes a PNG or JPEG file, recognised by its first bytes.
+    /// Decodes a PNG, JPEG or WebP file, recognised by its first bytes; of an animated one, the first
+    /// picture.
     ///
     /// # Errors
     /// [`PictureError`] if the file is malformed, of another format, or too large.
@@ -76,12 +78,24 @@ impl Picture {
         if bytes.starts_with(&[0xff, 0xd8]) {
             return decode_jpeg(bytes);
         }
+        if is_webp(bytes) {
+            return decode_webp(bytes);
+        }
         let head: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
         Err(PictureError::Unsupported {
             what: format!("a picture that begins with bytes [{}]", head.join(" ")),
-            mend: "use PNG or JPEG".to_owned(),
+            mend: "use PNG, JPEG or WebP".to_owned(),
         })
     }
+
+    /// Whether bytes begin as a file of a format that [`Self::decode`] reads.
+    pub fn is_known_format(bytes: &[u8]) -> bool {
+        bytes.starts_with(b"\x89PNG") || bytes.starts_with(&[0xff, 0xd8]) || is_webp(bytes)
+    }
+}
+
+fn is_webp(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP")
 }
 
 fn decode_png(bytes: &[u8]) -> Result<Picture, PictureError> {
@@ -154,6 +168,25 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Picture, PictureError> {
     check_size(width, height)?;
     let data = decoder.decode().map_err(|e| refuse(format!("{e:?}")))?;
     Picture::from_pixels(width, height, to_rgba(&data, 4))
+}
+
+fn decode_webp(bytes: &[u8]) -> Result<Picture, PictureError> {
+    let refuse = |e: image_webp::DecodingError| PictureError::Malformed {
+        at: "WebP",
+        what: e.to_string(),
+    };
+    let mut decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(refuse)?;
+    decoder.set_memory_limit(MAX_DECODED_BYTES);
+    let (width, height) = decoder.dimensions();
+    check_size(width, height)?;
+    let size = decoder.output_buffer_size().unwrap_or(usize::MAX);
+    if size > MAX_DECODED_BYTES {
+        return Err(too_large(width, height));
+    }
+    let channels = if decoder.has_alpha() { 4 } else { 3 };
+    let mut data = vec![0; size];
+    decoder.read_image(&mut data).map_err(refuse)?;
+    Picture::from_pixels(width, height, to_rgba(&data, channels))
 }
 
 #[cfg(test)]
@@ -231,7 +264,27 @@ mod tests {
             );
         }
         let gif = Picture::decode(b"GIF89a").unwrap_err().to_string();
-        assert!(gif.contains("47 49 46 38") && gif.contains("PNG or JPEG"));
+        assert!(gif.contains("47 49 46 38") && gif.contains("PNG, JPEG or WebP"));
+    }
+
+    #[test]
+    fn reads_webp_with_and_without_alpha() {
+        let encode = |color, data: &[u8]| {
+            let mut bytes = Vec::new();
+            let encoder = image_webp::WebPEncoder::new(&mut bytes);
+            encoder.encode(data, 2, 1, color).unwrap();
+            bytes
+        };
+        let rgba = encode(image_webp::ColorType::Rgba8, &[1, 2, 3, 4, 5, 6, 7, 255]);
+        let found = Picture::decode(&rgba).unwrap();
+        assert_eq!(found.pixels(), [[1, 2, 3, 4], [5, 6, 7, 255]]);
+        let rgb = encode(image_webp::ColorType::Rgb8, &[9, 8, 7, 6, 5, 4]);
+        let found = Picture::decode(&rgb).unwrap();
+        assert_eq!(found.pixels(), [[9, 8, 7, 255], [6, 5, 4, 255]]);
+        assert!(Picture::is_known_format(&rgb));
+        for length in 12..rgb.len() - 2 {
+            assert!(Picture::decode(&rgb[..length]).is_err(), "{length} bytes");
+        }
     }
 
     #[test]

@@ -329,8 +329,20 @@ impl<'a> RenderPass<'a> {
         if away && self.shows_back(triangle) {
             normal = -normal;
         }
-        let color = self.surface(triangle, weights, level);
-        (color.truncate() * self.lights.on(normal)).extend(1.0)
+        let color = self.surface(triangle, weights, level).truncate();
+        let material = self.material(triangle);
+        if material.unlit {
+            return color.extend(1.0);
+        }
+        let own = self.appearance.emission_of(material);
+        let own = own.at(self.texcoord(triangle, weights), level);
+        (color * self.lights.on(normal) + own).extend(1.0)
+    }
+
+    fn texcoord(&self, triangle: usize, weights: Vec3) -> Vec2 {
+        let [a, b, c] = self.mesh.triangles[triangle].map(|v| v as usize);
+        let uv = &self.mesh.texcoords;
+        uv[a] * weights.x + uv[b] * weights.y + uv[c] * weights.z
     }
 
     /// Base colour of a triangle: factor, texture and vertex colour, linear RGBA.
@@ -341,9 +353,7 @@ impl<'a> RenderPass<'a> {
         let vertex = colors[a] * weights.x + colors[b] * weights.y + colors[c] * weights.z;
         let mut color = material.base_color * vertex;
         if let Some(texture) = self.appearance.texture_of(material) {
-            let uv = &self.mesh.texcoords;
-            let at = uv[a] * weights.x + uv[b] * weights.y + uv[c] * weights.z;
-            color *= texture.sample(at, level);
+            color *= texture.sample(self.texcoord(triangle, weights), level);
         }
         color
     }

@@ -100,6 +100,8 @@ pub enum Assumption {
     Rate,
     /// Skeleton that a motion belongs to.
     Skeleton,
+    /// Whether the first frame of a clip belongs to the motion.
+    FirstFrame,
 }
 
 impl Warning {

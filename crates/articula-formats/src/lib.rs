@@ -45,6 +45,8 @@
 pub mod acclaim;
 pub mod bva;
 pub mod bvh;
+mod capture_text;
+mod damage;
 mod error;
 mod euler;
 pub mod face_points;

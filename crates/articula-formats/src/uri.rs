@@ -39,10 +39,12 @@ pub(crate) fn decode_data_uri(
         .rsplit(';')
         .next()
         .is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
-    let bytes = percent_decoded(payload);
+    let mut bytes = percent_decoded(payload);
     if !is_base64 {
         return Ok(Some((mime, bytes)));
     }
+    // Some encoders break the lines.
+    bytes.retain(|byte| !byte.is_ascii_whitespace());
     let bytes = BASE64.decode(bytes).map_err(|e| {
         ReadError::malformed(at, format!("the base64 of the data URI is malformed: {e}"))
     })?;
@@ -59,6 +61,38 @@ pub(crate) fn mime_type(declared: &str, bytes: &[u8]) -> String {
     let seen = match bytes {
         [0x89, b'P', b'N', b'G', ..] => "image/png",
         [0xFF, 0xD8, 0xFF, ..] => "image/jpeg",
+        [
+            b'R',
+            b'I',
+            b'F',
+            b'F',
+            _,
+            _,
+            _,
+            _,
+            b'W',
+            b'E',
+            b'B',
+            b'P',
+            ..,
+        ] => "image/webp",
+        [
+            _,
+            _,
+            _,
+            _,
+            b'f',
+            b't',
+            b'y',
+            b'p',
+            b'a',
+            b'v',
+            b'i',
+            b'f' | b's',
+            ..,
+        ] => "image/avif",
+        [0xAB, b'K', b'T', b'X', b' ', b'2', b'0', 0xBB, ..] => "image/ktx2",
+        [b'D', b'D', b'S', b' ', ..] => "image/vnd-ms.dds",
         _ => declared,
     };
     seen.to_owned()
@@ -107,6 +141,7 @@ mod tests {
         );
         assert_eq!(decoded("data:;base64,TWE").1, b"Ma");
         assert_eq!(decoded("DATA:;base64,TWE%3D").1, b"Ma");
+        assert_eq!(decoded("data:;base64,T%0AW\r\n F\tu").1, b"Man");
         assert_eq!(decoded("data:,a%20b%").1, b"a b%");
     }
 

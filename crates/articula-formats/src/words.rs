@@ -15,12 +15,22 @@ const SHOWN_CHARS: usize = 40;
 
 /// Parses a finite number of plausible size; the error names the position.
 pub(crate) fn number(at: impl Display, word: &str) -> Result<f32, ReadError> {
+    number_up_to(MAX_NUMBER, word).ok_or_else(|| no_number(at.to_string(), MAX_NUMBER, word))
+}
+
+/// Parses a finite number of at most this size.
+pub(crate) fn number_up_to(most: f32, word: &str) -> Option<f32> {
     let number = word.parse::<f32>().ok();
-    number.filter(|v| v.abs() <= MAX_NUMBER).ok_or_else(|| {
-        let word = shortened(word);
-        let what = format!("\"{word}\" found, a number up to {MAX_NUMBER:e} expected");
-        ReadError::malformed(at.to_string(), what)
-    })
+    number.filter(|v| v.abs() <= most)
+}
+
+/// The error of a word that is no number of at most this size.
+pub(crate) fn no_number(at: String, most: f32, word: &str) -> ReadError {
+    let word = shortened(word);
+    ReadError::malformed(
+        at,
+        format!("\"{word}\" found, a number up to {most:e} expected"),
+    )
 }
 
 /// Parses the seconds between frames.
@@ -31,6 +41,45 @@ pub(crate) fn frame_time(at: impl Display, word: &str) -> Result<f32, ReadError>
     }
     let what = format!("frame time {secs} s found, more than 0 and at most 10000 s expected");
     Err(ReadError::malformed(at.to_string(), what))
+}
+
+/// Rates at which motion is recorded, per second.
+const RECORDED_HZ: [f32; 15] = [
+    12.0, 15.0, 20.0, 24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 75.0, 90.0, 100.0, 120.0, 200.0, 240.0,
+];
+/// Greatest distance from one of them, as a fraction.
+const NEAR: f32 = 0.01;
+
+/// Returns what is odd about seconds between frames that nobody records, with their likely
+/// meaning.
+pub(crate) fn odd_frame_time(secs: f32) -> Option<String> {
+    if (5e-4..=1.0).contains(&secs) {
+        return None;
+    }
+    let is_recorded = |rate: f32| {
+        let near = |known: &f32| (rate - known).abs() <= NEAR * known;
+        RECORDED_HZ.iter().any(near)
+    };
+    let likely = match () {
+        () if is_recorded(secs) => format!("; {secs} is likely the rate, frames per second"),
+        () if is_recorded(1e3 / secs) => {
+            format!(
+                "; {secs} is likely in milliseconds, {:.2} frames per second",
+                1e3 / secs
+            )
+        }
+        () if is_recorded(1e6 / secs) => {
+            format!(
+                "; {secs} is likely in microseconds, {:.2} frames per second",
+                1e6 / secs
+            )
+        }
+        () => String::new(),
+    };
+    Some(format!(
+        "a frame lasts {secs} s, {} frames per second, as nobody records{likely}",
+        secs.recip()
+    ))
 }
 
 /// Returns the beginning of a text, for an error message.
@@ -70,6 +119,27 @@ mod tests {
         }
         let why = number("line 3", &"9".repeat(99)).unwrap_err().to_string();
         assert!(why.starts_with("line 3: ") && why.len() < 120, "{why}");
+    }
+
+    #[test]
+    fn odd_times_are_told_with_their_likely_meaning() {
+        for fine in [1.0 / 240.0, 0.033_333, 0.04, 0.5, 1.0, 1e-3] {
+            assert_eq!(odd_frame_time(fine), None, "{fine}");
+        }
+        let cases = [
+            (33.333, "likely in milliseconds, 30.00"),
+            (8.333, "likely in milliseconds, 120.00"),
+            (41_666.7, "likely in microseconds, 24.00"),
+            (30.0, "30 is likely the rate"),
+            (120.0, "120 is likely the rate"),
+            (3.0, "a frame lasts 3 s"),
+            (1e-5, "a frame lasts 0.00001 s"),
+        ];
+        for (secs, expected) in cases {
+            let said = odd_frame_time(secs).unwrap();
+            assert!(said.contains(expected), "{said}");
+        }
+        assert!(!odd_frame_time(3.0).unwrap().contains("likely"));
     }
 
     #[test]

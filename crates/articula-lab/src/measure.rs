@@ -4,6 +4,7 @@
 //! little. The contestants take turns, each round in another order, and the median and minimum over
 //! all rounds are kept; times of one run are comparable only with each other.
 
+use articula_report::thread_ns;
 use std::hint::black_box;
 
 /// Evaluates all characters at times of the clip, in seconds.
@@ -68,23 +69,6 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
         middle
     };
     0.5 * (at(below) + at(middle))
-}
-
-/// Processor time of this thread, nanoseconds.
-#[cfg(unix)]
-pub(crate) fn thread_ns() -> u64 {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    // Neither part of a thread's processor time is ever negative.
-    time.tv_sec.unsigned_abs() * 1_000_000_000 + time.tv_nsec.unsigned_abs()
-}
-
-/// Wall-clock time in nanoseconds: other systems have no equally precise time of a thread.
-#[cfg(not(unix))]
-pub(crate) fn thread_ns() -> u64 {
-    use std::sync::OnceLock;
-    use std::time::Instant;
-    static START: OnceLock<Instant> = OnceLock::new();
-    START.get_or_init(Instant::now).elapsed().as_nanos() as u64
 }
 
 #[cfg(test)]

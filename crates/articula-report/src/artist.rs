@@ -2,10 +2,12 @@
 
 use crate::paint::draw_box;
 use crate::skeleton::{JointMark, draw_skeleton, influencing_joints};
-use articula_core::{
-    Camera, JointArticulation, LocalPose, Mesh, PosedMesh, Region, Rig, SkinnedMesh, Viewport,
+use articula::Figure;
+use articula::core::{
+    Camera, JointArticulation, LocalPose, Mesh, ModelPose, PosedMesh, Region, Rig, SkinnedMesh,
+    Viewport, local_to_model,
 };
-use articula_flat::{
+use articula::flat::{
     Appearance, Bounds, Ground, Picture, PictureError, Projection, RenderOptions, orbit_view,
     render,
 };
@@ -21,6 +23,20 @@ const ELEVATION: f32 = 0.12;
 const INSET: f32 = 0.36;
 /// Size of the view relative to the figure.
 const FREE: f32 = 1.12;
+
+/// Materials of a figure, with its textures.
+pub(crate) fn appearance(figure: &Figure) -> Appearance {
+    let character = figure.opened.character();
+    Appearance::new(&character.materials, &character.images).0
+}
+
+/// Direction in which a figure faces at rest, from +Z to its left.
+pub(crate) fn facing_radians(figure: &Figure) -> f32 {
+    let rig = &figure.asset.rig;
+    let mut rest = ModelPose::new(rig.len());
+    local_to_model(rig, rig.rest_pose(), &mut rest);
+    articula::facing(rig, &rest)
+}
 
 /// Poses and renders one character; reuses its buffers.
 pub struct Artist<'a> {
@@ -43,12 +59,15 @@ pub struct Artist<'a> {
 }
 
 impl<'a> Artist<'a> {
-    /// Returns an artist for pictures of a size in pixels. `facing_radians` is the direction in
-    /// which the figure faces at rest, from +Z to its left.
-    ///
-    /// # Panics
-    /// If the mesh belongs to another rig.
-    pub fn new(
+    /// Returns an artist that draws a figure in pictures of a size in pixels.
+    pub fn of_figure(figure: &'a Figure, size: (u32, u32)) -> Self {
+        let asset = &figure.asset;
+        let (look, facing_radians) = (appearance(figure), facing_radians(figure));
+        Self::new(&asset.rig, &asset.mesh, look, facing_radians, size)
+    }
+
+    /// `facing_radians` is the direction in which the figure faces at rest, from +Z to its left.
+    pub(crate) fn new(
         rig: &'a Rig,
         mesh: &'a Mesh,
         look: Appearance,

@@ -2,7 +2,7 @@
 
 use crate::paint::{TextStyle, draw_box, draw_text};
 use crate::skeleton::JointMark;
-use articula_flat::{Picture, PictureError, Rgba};
+use articula::flat::{Picture, PictureError, Rgba};
 use glam::Vec2;
 
 const PAPER: Rgba = [255, 255, 255, 255];

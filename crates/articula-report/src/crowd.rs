@@ -1,9 +1,9 @@
 //! Renders a crowd at one time, with a colour for each character's level.
 
 use crate::paint::{TextStyle, draw_box, draw_text};
-use articula_core::source::Material;
-use articula_core::{Camera, Mesh, Part, SkinnedMesh, skin};
-use articula_flat::{
+use articula::core::source::Material;
+use articula::core::{Camera, Mesh, Part, SkinnedMesh, skin};
+use articula::flat::{
     Appearance, Ground, Picture, PictureError, RenderOptions, Rgba, linear_table, render,
 };
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
@@ -29,7 +29,7 @@ const WALL_COLOR: Rgba = [150, 150, 150, 255];
 /// The skins of a crowd's characters and the walls around them as one mesh in world space, coloured by
 /// level.
 #[derive(Debug, Clone)]
-pub struct CrowdPicture {
+pub(crate) struct CrowdPicture {
     mesh: Mesh,
     skinned: SkinnedMesh,
 }
@@ -51,7 +51,13 @@ impl CrowdPicture {
     ///
     /// # Panics
     /// If the palette does not belong to the mesh.
-    pub fn add(&mut self, own: &Mesh, level: usize, matrices: &[Affine3A], world: &Affine3A) {
+    pub(crate) fn add(
+        &mut self,
+        own: &Mesh,
+        level: usize,
+        matrices: &[Affine3A],
+        world: &Affine3A,
+    ) {
         let (mesh, all) = (&mut self.mesh, &mut self.skinned);
         let mut skinned = SkinnedMesh::new(own);
         skin(own, matrices, &own.morph_weights, &mut skinned);
@@ -70,7 +76,7 @@ impl CrowdPicture {
 
     /// Adds a character that is too far to tell its limbs: an upright sliver of its level's colour, from
     /// the foot of a bound to its top, `across` the picture.
-    pub fn add_far(&mut self, level: usize, centre: Vec3, radius: f32, across: Vec3) {
+    pub(crate) fn add_far(&mut self, level: usize, centre: Vec3, radius: f32, across: Vec3) {
         let (mesh, all) = (&mut self.mesh, &mut self.skinned);
         let (vertices, triangles) = (all.positions.len(), mesh.triangles.len());
         let (side, up) = (across * (0.2 * radius), Vec3::Y * radius);
@@ -84,7 +90,7 @@ impl CrowdPicture {
     }
 
     /// Adds a wall: a box in world space, with its centre, half of its size, and its rotation about +Y.
-    pub fn add_wall(&mut self, centre: Vec3, half_size: Vec3, yaw_radians: f32) {
+    pub(crate) fn add_wall(&mut self, centre: Vec3, half_size: Vec3, yaw_radians: f32) {
         let (mesh, all) = (&mut self.mesh, &mut self.skinned);
         let (vertices, triangles) = (all.positions.len(), mesh.triangles.len());
         let turn = Quat::from_rotation_y(yaw_radians);
@@ -131,7 +137,7 @@ impl CrowdPicture {
     ///
     /// # Errors
     /// [`PictureError::LimitExceeded`] if the viewport is too large.
-    pub fn draw(
+    pub(crate) fn draw(
         &self,
         camera: &Camera,
         legend: &[(Option<usize>, String)],
@@ -190,8 +196,8 @@ fn write_legend(picture: &mut Picture, lines: &[(Option<usize>, String)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::Viewport;
-    use articula_core::source::{self, Primitive, Skin};
+    use articula::core::Viewport;
+    use articula::core::source::{self, Primitive, Skin};
 
     #[test]
     fn characters_have_the_colour_of_their_level_and_lie_where_they_stand() {

@@ -2,8 +2,8 @@
 
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
 use crate::paint::{TextStyle, draw_disc, draw_ring, draw_text};
-use articula_core::{Mesh, PosedMesh, Rig, Viewport};
-use articula_flat::{
+use articula::core::{Mesh, PosedMesh, Rig, Viewport};
+use articula::flat::{
     Appearance, Bounds, Picture, PictureError, RenderOptions, Rgba, orbit_view, render,
 };
 use glam::{Quat, Vec2, Vec3};

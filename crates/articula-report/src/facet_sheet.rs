@@ -5,8 +5,8 @@
 
 use crate::artist::Artist;
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
-use articula_core::{LocalPose, Mesh, Part, Region, Rig};
-use articula_flat::{Appearance, Picture, PictureError};
+use articula::core::{LocalPose, Mesh, Part, Region, Rig};
+use articula::flat::{Appearance, Picture, PictureError};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Width and height of a tile, pixels.

@@ -7,11 +7,11 @@
 use crate::artist::{Artist, evenly_spaced_frames};
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 use crate::skeleton::JointMark;
-use articula_build::Asset;
-use articula_build::evaluate::{ClipEvaluator, Method, PathFrame, PathRun, Playback, play};
-use articula_core::joint_state::JointState;
-use articula_core::{LocalPose, Wrap, sample, sample_morphs};
-use articula_flat::{Picture, PictureError};
+use articula::build::Asset;
+use articula::build::evaluate::{ClipEvaluator, Method, PathFrame, PathRun, Playback, play};
+use articula::core::joint_state::JointState;
+use articula::core::{LocalPose, Wrap, sample, sample_morphs};
+use articula::flat::{Picture, PictureError};
 
 /// A method with its parameter and distance: a row of a sheet, a line of a plot.
 #[derive(Debug, Clone)]

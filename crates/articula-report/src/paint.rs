@@ -1,6 +1,6 @@
 //! Anti-aliased lines, discs, rings, boxes and text on a picture.
 
-use articula_flat::{Picture, Rgba};
+use articula::flat::{Picture, Rgba};
 use glam::Vec2;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 

@@ -405,7 +405,7 @@ fn shortened(text: &str, most: usize) -> String {
 /// Text escaped for one line of markup.
 fn escaped(text: &str) -> String {
     let line = text.replace(['\t', '\n', '\r'], " ");
-    articula_flat::escaped(&line).replace('\'', "&#39;")
+    articula::flat::escaped(&line).replace('\'', "&#39;")
 }
 
 #[cfg(test)]

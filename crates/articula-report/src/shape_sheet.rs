@@ -1,8 +1,8 @@
 //! The shapes of a face, one picture each.
 
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
-use articula_core::{LocalPose, Mesh, PosedMesh, Rig, Viewport};
-use articula_flat::{Appearance, Bounds, PictureError, RenderOptions, orbit_view, render};
+use articula::core::{LocalPose, Mesh, PosedMesh, Rig, Viewport};
+use articula::flat::{Appearance, Bounds, PictureError, RenderOptions, orbit_view, render};
 
 /// Width and height of a tile, pixels.
 const TILE: (u32, u32) = (220, 250);
@@ -12,30 +12,24 @@ const COLUMNS: usize = 7;
 
 /// A face as one picture shows it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FaceShape {
+pub(crate) struct FaceShape {
     /// What is written below it.
-    pub label: String,
+    pub(crate) label: String,
     /// Pose of the rig.
-    pub pose: LocalPose,
+    pub(crate) pose: LocalPose,
     /// Weights of the morph targets of the mesh.
-    pub weights: Vec<f32>,
+    pub(crate) weights: Vec<f32>,
 }
 
 /// Draws a figure inside a box in each of some shapes. `facing_radians` is the direction in which the
 /// figure faces at rest, from +Z to its left.
-///
-/// # Errors
-/// [`PictureError`] if the page would be too large.
-///
-/// # Panics
-/// If the mesh or a pose belongs to another rig, or a shape has another number of weights than the mesh.
-pub fn shape_sheet(
+pub(crate) fn shape_sheet(
     (rig, mesh): (&Rig, &Mesh),
     look: &Appearance,
     (bounds, facing_radians): (&Bounds, f32),
     shapes: &[FaceShape],
     title: &str,
-) -> Result<articula_flat::Picture, PictureError> {
+) -> Result<articula::flat::Picture, PictureError> {
     let viewport = Viewport {
         width_px: TILE.0 as f32,
         height_px: TILE.1 as f32,

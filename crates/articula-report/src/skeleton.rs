@@ -5,8 +5,8 @@
 //! colour.
 
 use crate::paint::{draw_disc, draw_line, draw_ring};
-use articula_core::{Camera, JointSet, Mesh, ModelPose, Rig};
-use articula_flat::{Picture, Projection, Rgba, Screen};
+use articula::core::{Camera, JointSet, Mesh, ModelPose, Rig};
+use articula::flat::{Picture, Projection, Rgba, Screen};
 use glam::Vec2;
 
 /// State of a joint as it is drawn.
@@ -191,8 +191,8 @@ fn drawn_parent(rig: &Rig, drawn: &JointSet, joint: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::source::{Joint, Skeleton};
-    use articula_core::{
+    use articula::core::source::{Joint, Skeleton};
+    use articula::core::{
         Articulation, JointArticulation, Region, Transform, Viewport, local_to_model,
     };
     use glam::Vec3;
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn only_what_a_vertex_follows_is_drawn() {
-        use articula_core::source;
+        use articula::core::source;
         let (rig, _) = tower();
         let mesh = |joint: u16| {
             let skin = source::Skin {

@@ -7,9 +7,11 @@
 
 mod figure;
 
-use articula_core::Viewport;
-use articula_core::source::{Image, Material};
-use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render, rmse};
+use articula::core::Viewport;
+use articula::core::source::{Image, Material};
+use articula::flat::{
+    Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render, rmse,
+};
 use articula_report::{ContactSheet, JointMark, SheetCell, SheetRow, SheetTile, draw_skeleton};
 use glam::Vec4;
 use std::path::PathBuf;

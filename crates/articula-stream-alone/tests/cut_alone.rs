@@ -7,8 +7,9 @@ use articula_stream::{CutRule, Meaning, Unit, cut, read_index, write_index};
 
 const STREAM: &[u8] = include_bytes!("../../articula-stream/tests/golden/walk.abp");
 const INDEX: &[u8] = include_bytes!("../../articula-stream/tests/golden/walk.auix");
-/// Of the stored stream.
+/// Of the stored stream, whose groups are joints.
 const TIERS: usize = 5;
+const GROUPS: usize = 89;
 
 /// A variable-length number at `at`, which moves behind it.
 fn varint(bytes: &[u8], at: &mut usize) -> usize {
@@ -38,13 +39,12 @@ fn by_hand(stream: &[u8], keeps: impl Fn(usize, usize) -> bool) -> Vec<u8> {
         let start = out.len();
         out.extend([0; 4]);
         at += 4;
-        let before = at;
-        varint(stream, &mut at);
-        out.extend(&stream[before..at]);
         while at < end {
             let first = at;
-            let id = varint(stream, &mut at);
-            at += varint(stream, &mut at);
+            let header = varint(stream, &mut at);
+            let id = header % (TIERS * GROUPS);
+            // The body and its checksum.
+            at += header / (TIERS * GROUPS) + 1;
             if keeps(id / TIERS, TIERS - 1 - id % TIERS) {
                 out.extend(&stream[first..at]);
             }

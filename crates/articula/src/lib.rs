@@ -84,12 +84,15 @@ pub mod inspect;
 #[cfg(feature = "item")]
 pub mod item;
 mod joint_map;
+#[cfg(feature = "prepare")]
+mod mesh_level_rows;
 mod mesh_levels;
 mod motion_tables;
 mod open;
 #[cfg(feature = "prepare")]
 mod prepare;
 mod prepared;
+mod resampling;
 mod work;
 
 pub use camera_path::read_camera_path;
@@ -98,6 +101,8 @@ pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
 pub use joint_map::{RigJointMap, rig_joint_map};
+#[cfg(feature = "prepare")]
+pub use mesh_level_rows::{MeshLevelBytes, MeshLevelRow};
 #[cfg(feature = "prepare")]
 pub use mesh_levels::{CodedMeshLevels, MeshLevelStream};
 pub use mesh_levels::{KeptFace, MeshLevelOptions};
@@ -115,6 +120,7 @@ pub use prepare::{
     CheckedPart, ClipTables, PartBytes, PartState, PrepareOptions, PreparedAsset, PreparedCheck,
     PreparedPart, check_prepared, prepare,
 };
+pub use resampling::{ClipResampling, clip_resampling};
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_build as build;

@@ -125,6 +125,17 @@ impl<'a> Executor<'a> {
         make(&mut articula_core::Progress::new(&mut hook))
     }
 
+    /// Runs functions as jobs, without reporting them.
+    pub(crate) fn run<F: FnOnce() + Send>(&self, functions: impl Iterator<Item = F>) {
+        let jobs = functions.map(|function| Job(Some(Box::new(function))));
+        let mut jobs: Vec<Job<'_>> = jobs.collect();
+        if let Some(run) = self.run_jobs {
+            run(&mut jobs);
+        }
+        // Runs the jobs that the caller did not run, or all of them without a callback.
+        jobs.iter_mut().for_each(Job::run);
+    }
+
     /// Applies `make` to each item, one job per item; results are in the order of the items.
     pub(crate) fn map<T: Send, R: Send>(
         &self,
@@ -149,17 +160,8 @@ impl<'a> Executor<'a> {
             }
         };
         let job = &job;
-        let mut jobs: Vec<Job<'_>> = items
-            .into_iter()
-            .zip(&mut results)
-            .map(|pair| Job(Some(Box::new(move || job(pair)))))
-            .collect();
-        if let Some(run) = self.run_jobs {
-            run(&mut jobs);
-        }
-        // Runs the jobs that the caller did not run, or all of them without a callback.
-        jobs.iter_mut().for_each(Job::run);
-        drop(jobs);
+        let pairs = items.into_iter().zip(&mut results);
+        self.run(pairs.map(|pair| move || job(pair)));
         if is_cancelled.load(Ordering::Relaxed) {
             return Err(Error::Cancelled);
         }

@@ -22,7 +22,7 @@ const SIBLING_EDGES: &[(&str, &str)] = &[("articula-human", "articula-build")];
 /// Programs: no crate depends on them.
 const PROGRAMS: &[&str] = &["articula-cli", "articula-lab"];
 
-/// Pictures and plots of reports: for programs only.
+/// Pictures, plots and clocks of reports, above the library: for programs only.
 const REPORT: &str = "articula-report";
 
 /// All allowed dependencies of the core.

@@ -1,10 +1,7 @@
 //! Linear pieces that follow a motion: the times of their keys, and channels of them.
 
-use articula_core::source::{Channel, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property};
 use articula_core::{Transform, same_hemisphere};
-
-/// A jump of a step channel becomes a move of this duration, in which the error is not measured.
-pub(crate) const JUMP_SECS: f32 = 1e-4;
 
 /// Maximum number of halvings of one interval between two keys of the source.
 const MAX_HALVINGS: usize = 5;

@@ -1,14 +1,15 @@
 //! Resampling of source clips: every channel keyed at one rate.
 
 use super::channel::{self, SAME_SECS};
+use super::grid::rising;
 use crate::clip::steps_at;
 use articula_core::Mismatch;
 use articula_core::source::{Channel, Interpolation, RawClip};
 
 /// Returns the clip with exact keys at every `1 / rate_hz` seconds and at its end; the last
 /// interval is shorter where the length is no multiple. Splines become straight lines between the
-/// keys, steps stay steps (their jumps move to the next key). A channel with one key keeps it
-/// unchanged.
+/// keys, steps stay steps (their jumps move to the next key), and of other jumps both keys stay. A
+/// channel with one key keeps it unchanged.
 ///
 /// # Errors
 /// A [`Mismatch`] if the rate is not positive, the clip is malformed, or it would have more than a
@@ -43,15 +44,30 @@ fn keyed(source: &Channel, times: &[f32]) -> Channel {
         Some(key) => channel::key_value(source, key).to_vec(),
         None => channel::value(source, *t),
     };
+    let interpolation = match source.interpolation {
+        Interpolation::Step => Interpolation::Step,
+        _ => Interpolation::Linear,
+    };
+    let mut times = times.to_vec();
+    if interpolation == Interpolation::Linear {
+        times.extend(jump_keys(source));
+        times = rising(times);
+    }
     Channel {
-        interpolation: match source.interpolation {
-            Interpolation::Step => Interpolation::Step,
-            _ => Interpolation::Linear,
-        },
-        times_secs: times.to_vec(),
+        interpolation,
         values: times.iter().flat_map(value).collect(),
+        times_secs: times,
         ..source.clone()
     }
+}
+
+/// Both keys of each jump: without them it would become a ramp between frames.
+fn jump_keys(source: &Channel) -> impl Iterator<Item = f32> + '_ {
+    let times = &source.times_secs;
+    source.jump_times().flat_map(|jump| {
+        let after = times.partition_point(|t| *t < jump);
+        [times[after.saturating_sub(1)], jump]
+    })
 }
 
 fn times(duration_secs: f32, rate_hz: f32) -> Vec<f32> {

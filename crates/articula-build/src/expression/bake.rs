@@ -4,9 +4,11 @@
 //! channels.
 
 use super::resolve;
-use crate::clip::{MAX_NUMBERS, source_rate_hz};
+use crate::clip::MAX_NUMBERS;
+use crate::sampling_rate::source_rate_hz;
 use articula_core::source::{
-    Channel, Character, Expression, Interpolation, JointBinding, Property, RawClip, evaluate,
+    Channel, Character, Expression, Interpolation, JUMP_SECS, JointBinding, Property, RawClip,
+    evaluate,
 };
 use articula_core::{Mismatch, Transform, same_hemisphere};
 use glam::{Quat, Vec3};
@@ -18,6 +20,9 @@ use std::collections::BTreeSet;
 const STILL_RADIANS: f32 = 1e-6;
 const STILL: f32 = 1e-7;
 
+/// Difference of equal times in seconds.
+const SAME_SECS: f32 = 2e-6;
+
 /// Minimum frame rate where values bend or jump between keys.
 const MIN_RATE_HZ: f32 = 30.0;
 
@@ -25,8 +30,8 @@ const MIN_RATE_HZ: f32 = 30.0;
 /// channels that drive expressions. Returns the clip itself if it drives no expression.
 ///
 /// Where everything is linear between keys, the result is exact; where it bends or jumps (masks,
-/// binary expressions, values beyond 0 and 1, splines) it is exact at frames of the clip's own
-/// rate, at least 30 per second, and linear between them.
+/// binary expressions, values beyond 0 and 1, splines) it is exact at all keys and at frames of the
+/// clip's own rate, at least 30 per second, and linear between them.
 ///
 /// # Errors
 /// A [`Mismatch`] if a channel or a binding refers to something that does not exist or has too few
@@ -144,16 +149,35 @@ impl<'a> Baking<'a> {
             let rate = source_rate_hz(self.clip);
             let rate = rate * (MIN_RATE_HZ / rate).ceil().max(1.0);
             let frames = (f64::from(duration) * f64::from(rate)).ceil();
-            self.check_size(frames)?;
+            self.check_size(frames + 2.0 * self.key_count())?;
             times.extend((0..frames as usize).map(|i| i as f32 / rate));
             times.push(duration);
+            times.extend(self.between(&times, duration));
         } else {
-            self.check_size(self.involved().map(|c| c.times_secs.len() as f64).sum())?;
+            self.check_size(self.key_count())?;
             times.extend(self.involved().flat_map(|c| &c.times_secs));
         }
         times.sort_by(f32::total_cmp);
         times.dedup();
         Ok(times)
+    }
+
+    /// Key times that are none of rising frame times: values bend there. Before a jump there is one too,
+    /// so that it does not become a ramp.
+    fn between(&self, frames: &[f32], duration: f32) -> Vec<f32> {
+        let keys = self.involved().flat_map(|c| c.times_secs.iter().copied());
+        let jumps = self.involved().flat_map(Channel::jump_times);
+        let is_new = |t: &f32| {
+            let after = frames.partition_point(|f| *f < t - SAME_SECS);
+            let is_frame = frames.get(after).is_some_and(|f| *f <= t + SAME_SECS);
+            (0.0..=duration).contains(t) && !is_frame
+        };
+        let all = keys.chain(jumps.map(|t| t - JUMP_SECS));
+        all.filter(is_new).collect()
+    }
+
+    fn key_count(&self) -> f64 {
+        self.involved().map(|c| c.times_secs.len() as f64).sum()
     }
 
     fn check_size(&self, times: f64) -> Result<(), Mismatch> {

@@ -15,6 +15,10 @@ use articula_core::source::Skeleton;
 /// Name of the joint map of joints that are found by their words.
 pub(super) const NAME: &str = "words";
 
+/// Distance of the hips of a loose rig from the tops of its legs, over that of the joint that holds
+/// all limbs; greatest.
+const NEAR: f32 = 0.5;
+
 /// The target of each joint with what told it.
 pub(super) type Found = Vec<Option<(JointTarget, MappingEvidence)>>;
 
@@ -237,7 +241,8 @@ impl<'a> Body<'a> {
             self.alone(lowers.collect(), &ends, own, Part::Forearm, is_upper)
         })?;
         let highest = upper.or(lower)?;
-        if let Some(collar) = self.nearest_above(highest, own, is_collar) {
+        let collar = self.nearest_above(highest, own, is_collar);
+        if let Some(collar) = collar.or_else(|| self.loose_collar(highest, own)) {
             self.set(collar, &named("sternoclavicular"));
         }
         for (joint, name) in [(upper, "shoulder"), (lower, "elbow")] {
@@ -247,6 +252,18 @@ impl<'a> Body<'a> {
         }
         self.hand(side, named, lower.or(upper));
         Some(highest)
+    }
+
+    /// The collar bone beside an arm that hangs from no part of the body.
+    fn loose_collar(&self, arm: usize, side: Option<Side>) -> Option<usize> {
+        if self.above(arm).any(|j| self.meanings[j].is_some()) {
+            return None;
+        }
+        let collars = self.of(side, |p| matches!(p, Part::Collar | Part::Shoulder));
+        let mut collars = collars
+            .into_iter()
+            .filter(|j| *j != arm && !self.is_below(*j, arm));
+        collars.next().filter(|_| collars.next().is_none())
     }
 
     /// Names the hand of a side, below a joint if one is given, and its fingers.
@@ -300,6 +317,20 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// The hips of a rig whose limbs do not hang from them, as deform bones alone do whose controls
+    /// were left out: hips, or the lowest joint of the spine, much nearer to the tops of the legs than
+    /// the nameless joint that holds all limbs.
+    fn loose_hips(&self, holder: usize, legs: [usize; 2]) -> Option<usize> {
+        let places = rest::positions(self.skeleton);
+        let tops = 0.5 * (places[legs[0]] + places[legs[1]]);
+        let apart = |joint: usize| places[joint].distance(tops);
+        let named = self.of(None, |p| p == Part::Hips).into_iter();
+        let mut named = named.chain(self.of(None, |p| p == Part::Spine));
+        let found = named.find(|j| self.is_below(*j, holder))?;
+        let is_loose = self.meanings[holder].is_none() && apart(found) < NEAR * apart(holder);
+        is_loose.then_some(found)
+    }
+
     /// Names hips, spine, neck and head; `legs` and `arms` are the highest joints of the limbs.
     fn middle(&mut self, legs: [usize; 2], arms: [usize; 2]) -> Option<()> {
         let holds = |joint: usize, all: &[usize]| all.iter().all(|j| self.is_below(*j, joint));
@@ -308,7 +339,8 @@ impl<'a> Body<'a> {
         let by_name = named.iter().copied().rfind(|j| holds(*j, &limbs));
         // The joint where legs and arms part, whatever its name is.
         let by_tree = (0..self.skeleton.joints.len()).rfind(|j| holds(*j, &limbs));
-        let hips = by_name.or(by_tree)?;
+        let loose = || self.loose_hips(by_tree?, legs);
+        let hips = by_name.or_else(loose).or(by_tree)?;
         let pelvis = named
             .iter()
             .copied()

@@ -136,6 +136,25 @@ impl Tree<'_> {
         fitting.next().filter(|_| fitting.next().is_none())
     }
 
+    /// The joint where the arms part. In a rig whose arms do not hang from the spine it is the highest
+    /// joint of the spine that is not above them.
+    fn chest(&self, left: usize, right: usize) -> Option<usize> {
+        let parting = self.above(left).find(|j| self.holds(*j, right))?;
+        let hips = self.named("humanoid_root");
+        let Some(hips) = hips.filter(|hips| *hips != parting && self.holds(parting, *hips)) else {
+            return Some(parting);
+        };
+        let shoulders = 0.5 * (self.places[left].y + self.places[right].y);
+        let mut chest = hips;
+        let is_next = |tree: &Self, j: usize| {
+            tree.meanings[j] == Ok(JointTarget::Spine) && tree.places[j].y <= shoulders
+        };
+        while let Some(next) = self.only_child(chest, |j| is_next(self, j)) {
+            chest = next;
+        }
+        Some(chest)
+    }
+
     /// Completes neck and head above the joint where the arms part.
     fn head(&mut self) {
         if self.named("skullbase").is_some() {
@@ -144,7 +163,7 @@ impl Tree<'_> {
         let [Some(left), Some(right)] = ["l_shoulder", "r_shoulder"].map(|n| self.named(n)) else {
             return;
         };
-        let Some(chest) = self.above(left).find(|j| self.holds(*j, right)) else {
+        let Some(chest) = self.chest(left, right) else {
             return;
         };
         let is_arm = |tree: &Self, j: usize| tree.holds(j, left) || tree.holds(j, right);
@@ -238,6 +257,52 @@ DEF-spine 0 1 0 = humanoid_root
         assert_eq!(mapping.confidence(head), Some(MappingConfidence::Low));
         let doubts = mapping.doubts.iter();
         assert_eq!(doubts.clone().count(), 2, "neck and head: {doubts:?}");
+    }
+
+    /// The same deform bones without what connects them: limbs and collar bones at the root.
+    const LOOSE: &str = "
+rig 0 0 0 = -
+ DEF-spine 0 1 0 = humanoid_root
+  DEF-spine.001 0 1.1 0 = vl5
+   DEF-spine.002 0 1.2 0 = vt10
+    DEF-spine.003 0 1.3 0 = vt6
+     DEF-spine.004 0 1.5 0 = vc4
+      DEF-spine.005 0 1.55 0 = -
+       DEF-spine.006 0 1.6 0 = skullbase
+ DEF-shoulder.L 0.05 1.45 0 = l_sternoclavicular
+ DEF-upper_arm.L 0.2 1.45 0 = l_shoulder
+  DEF-forearm.L 0.5 1.45 0 = l_elbow
+   DEF-hand.L 0.8 1.45 0 = l_wrist
+ DEF-shoulder.R -0.05 1.45 0 = r_sternoclavicular
+ DEF-upper_arm.R -0.2 1.45 0 = r_shoulder
+  DEF-forearm.R -0.5 1.45 0 = r_elbow
+   DEF-hand.R -0.8 1.45 0 = r_wrist
+ DEF-thigh.L 0.1 0.95 0 = l_hip
+  DEF-shin.L 0.1 0.5 0 = l_knee
+   DEF-foot.L 0.1 0.1 0 = l_ankle
+    DEF-toe.L 0.1 0 0.1 = l_metatarsal
+ DEF-thigh.R -0.1 0.95 0 = r_hip
+  DEF-shin.R -0.1 0.5 0 = r_knee
+   DEF-foot.R -0.1 0.1 0 = r_ankle
+    DEF-toe.R -0.1 0 0.1 = r_metatarsal
+";
+
+    #[test]
+    fn deform_bones_with_limbs_at_the_root_are_the_same_human() {
+        let mapping = check_map(LOOSE);
+        assert_eq!(
+            mapping.doubts.len(),
+            2,
+            "neck and head: {:?}",
+            mapping.doubts
+        );
+        // Fewer joints of the spine, and hips and neck with names of their own.
+        check_map(&LOOSE.replace("DEF-spine 0", "DEF-pelvis 0"));
+        let names = [("DEF-spine.004", "DEF-neck"), ("DEF-spine.006", "DEF-head")];
+        let named = names
+            .iter()
+            .fold(LOOSE.to_owned(), |t, (a, b)| t.replace(a, b));
+        check_map(&named);
     }
 
     #[test]

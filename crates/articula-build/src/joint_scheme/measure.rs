@@ -2,9 +2,8 @@
 
 use super::tree::Tree;
 use crate::clip_edit::grid::rising;
-use crate::clip_edit::pieces::JUMP_SECS;
 use articula_core::LocalPose;
-use articula_core::source::{Character, Primitive, RawClip, Skeleton, Skin, evaluate};
+use articula_core::source::{Character, JUMP_SECS, Primitive, RawClip, Skeleton, Skin, evaluate};
 use glam::{Affine3A, Vec3};
 
 /// Maximum number of times at which a clip is measured.

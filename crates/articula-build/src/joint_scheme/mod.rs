@@ -18,15 +18,18 @@
 
 mod measure;
 mod motion;
+mod scheme;
 mod skin;
 mod tree;
 
 use articula_core::hanim_table::{HanimJoint, named};
 use articula_core::joint_names::Side;
 use articula_core::source::{Character, Skeleton};
-use articula_core::{Articulation, JointScheme, Mismatch, Transform};
+use articula_core::{Articulation, Mismatch, Transform};
 use glam::{Vec2, Vec3};
 use tree::Tree;
+
+pub use scheme::JointScheme;
 
 /// Result of a conversion to a joint scheme.
 #[derive(Debug, Clone, PartialEq, Default)]

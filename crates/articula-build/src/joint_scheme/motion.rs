@@ -8,9 +8,11 @@
 
 use crate::clip_edit::channel;
 use crate::clip_edit::grid::rising;
-use crate::clip_edit::pieces::{self, ComputedJoint, JUMP_SECS, blend};
+use crate::clip_edit::pieces::{self, ComputedJoint, blend};
 use crate::clip_edit::similarity::Similarity;
-use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton, evaluate};
+use articula_core::source::{
+    Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton, evaluate,
+};
 use articula_core::{LocalPose, Mismatch, Transform, angle_between};
 use glam::{DQuat, DVec3, Vec3};
 

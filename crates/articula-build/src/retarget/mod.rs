@@ -29,6 +29,7 @@ mod hands;
 mod hinge;
 mod limb;
 mod motion;
+mod oddities;
 mod pair;
 mod pass;
 mod pin;
@@ -50,6 +51,7 @@ mod twist;
 pub use driven::NotDriven;
 pub use finding::{BodyEnd, RetargetFinding};
 pub use hands::{is_hands_alone, retarget_hands};
+pub use oddities::{first_frame_jump, turn_of_repeat};
 pub use pair::Retargeter;
 pub use planted::ContactPinning;
 pub use quality::{EndEffectorError, FootSlide, RetargetQuality};
@@ -74,7 +76,8 @@ pub struct RetargetFigure<'a> {
 /// Options of retargeting a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RetargetOptions {
-    /// Frames per second of the result; `None` uses the rate of the source's keys.
+    /// Frames per second of the result; `None` chooses the rate that
+    /// [follows the source's keys](crate::sampling_rate_hz).
     pub rate_hz: Option<f32>,
     /// Ends of limbs that are pinned during their contacts.
     pub pinning: ContactPinning,

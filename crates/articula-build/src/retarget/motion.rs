@@ -1,7 +1,8 @@
 //! A source clip as rotations from rest and positions in model space, frame by frame.
 
 use super::rest::Rest;
-use crate::clip::{MAX_NUMBERS, source_rate_hz};
+use crate::clip::MAX_NUMBERS;
+use crate::sampling_rate::{frame_times, keyed_rate, source_rate_hz};
 use articula_core::source::{Interpolation, Property, RawClip, Skeleton, evaluate};
 use articula_core::{LocalPose, Mismatch, Transform, angle_between};
 use glam::{Affine3A, Quat, Vec3};
@@ -12,7 +13,7 @@ const MAX_FRAMES: f64 = 1e6;
 /// Minimum number of steps of a motion whose first one is judged, and the least angle of a jump: a
 /// fixed one, and a multiple of the greatest step among 99 % of the others.
 const JUMP_STEPS: usize = 5;
-const JUMP_RADIANS: f32 = 0.2;
+pub(super) const JUMP_RADIANS: f32 = 0.2;
 const JUMP_FACTOR: f32 = 3.0;
 
 /// A motion in model space.
@@ -28,7 +29,7 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// Samples a clip at a rate; `None` uses the rate of its keys.
+    /// Samples a clip at a rate; `None` uses one that follows its keys.
     pub(super) fn new(
         clip: &RawClip,
         skeleton: &Skeleton,
@@ -36,10 +37,22 @@ impl Motion {
         rate_hz: Option<f32>,
     ) -> Result<Self, Mismatch> {
         check(clip, skeleton.joints.len())?;
-        let (rate_hz, times_secs) = times(clip, rate_hz, rest.len())?;
+        let (rate_hz, times_secs) = times(clip, skeleton, rate_hz)?;
+        let motion = Self::at(clip, skeleton, rest, times_secs)?;
+        Ok(Self { rate_hz, ..motion })
+    }
+
+    /// Samples a clip at times; its rate is that of its keys.
+    pub(super) fn at(
+        clip: &RawClip,
+        skeleton: &Skeleton,
+        rest: &Rest,
+        times_secs: Vec<f32>,
+    ) -> Result<Self, Mismatch> {
+        check(clip, skeleton.joints.len())?;
         let mut pose: LocalPose = (0..rest.len()).map(|_| Transform::IDENTITY).collect();
         let mut motion = Self {
-            rate_hz,
+            rate_hz: source_rate_hz(clip),
             joints: rest.len(),
             deltas: Vec::with_capacity(times_secs.len() * rest.len()),
             positions: Vec::with_capacity(times_secs.len() * rest.len()),
@@ -117,13 +130,18 @@ impl Motion {
     }
 
     /// Angle by which a joint turns against its parent from a frame to the next.
-    fn step(&self, rest: &Rest, frame: usize, joint: usize) -> f32 {
+    pub(super) fn step(&self, rest: &Rest, frame: usize, joint: usize) -> f32 {
+        self.turned(rest, [frame, frame + 1], joint)
+    }
+
+    /// Angle by which a joint turns against its parent from one frame to another.
+    pub(super) fn turned(&self, rest: &Rest, frames: [usize; 2], joint: usize) -> f32 {
         let local = |frame: usize| {
             let deltas = self.deltas(frame);
             let above = rest.parents[joint].map_or(Quat::IDENTITY, |p| deltas[p]);
             above.inverse() * deltas[joint]
         };
-        angle_between(local(frame), local(frame + 1))
+        angle_between(local(frames[0]), local(frames[1]))
     }
 
     /// Maximum rotation speed of a mapped joint relative to its parent between two frames: joint,
@@ -194,7 +212,11 @@ fn check(clip: &RawClip, joints: usize) -> Result<(), Mismatch> {
 }
 
 /// Times from 0 to the clip's end, and their rate.
-fn times(clip: &RawClip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Vec<f32>), Mismatch> {
+fn times(
+    clip: &RawClip,
+    skeleton: &Skeleton,
+    rate_hz: Option<f32>,
+) -> Result<(f32, Vec<f32>), Mismatch> {
     let at = || format!("clip \"{}\"", clip.name);
     let duration = clip.duration_secs;
     let wanted = rate_hz.unwrap_or_else(|| source_rate_hz(clip));
@@ -205,19 +227,19 @@ fn times(clip: &RawClip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Ve
         );
         return Err(Mismatch::new(at(), what));
     }
-    let steps = (f64::from(duration) * f64::from(wanted)).round();
-    if steps > MAX_FRAMES || steps * (joints as f64) * 7.0 > MAX_NUMBERS as f64 {
+    let joints = skeleton.joints.len();
+    let steps_at = |rate: f32| (f64::from(duration) * f64::from(rate)).round();
+    let fits = |rate| {
+        let steps = steps_at(rate);
+        steps <= MAX_FRAMES && steps * (joints as f64) * 7.0 <= MAX_NUMBERS as f64
+    };
+    if !fits(wanted) {
         let what = format!(
             "{duration} s at {wanted} Hz for {joints} joints exceed the limit of frames; lower \
              the rate or trim the clip"
         );
         return Err(Mismatch::new(at(), what));
     }
-    let steps = steps as usize;
-    if steps == 0 {
-        return Ok((wanted, vec![0.0]));
-    }
-    // Scaled by less than half a frame, so that the last frame is the end.
-    let times = (0..=steps).map(|i| duration * (i as f32 / steps as f32));
-    Ok((steps as f32 / duration, times.collect()))
+    let wanted = rate_hz.unwrap_or_else(|| keyed_rate(clip, skeleton, &fits).rate_hz);
+    Ok(frame_times(clip, wanted, steps_at(wanted) as usize))
 }

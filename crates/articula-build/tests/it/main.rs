@@ -19,6 +19,7 @@ mod one_pass;
 mod pose_cache;
 mod random_figure;
 mod reference_human;
+mod resampling;
 mod retarget;
 mod simplify;
 #[path = "../../src/surface_distance/slow.rs"]

@@ -22,13 +22,11 @@ pub(crate) struct GbsdArgs {
     /// Stream of the item, by its name there, such as clips/walk.abp
     #[arg(value_name = "STREAM")]
     stream: Option<String>,
-    /// Write to a file instead of standard output
-    #[arg(long, value_name = "F.xml")]
+    /// Write to a file instead of standard output; of an item without STREAM, declaration (did.xml),
+    /// table (aqos.xml), stylesheet (adapt.xslt) and the descriptions of all streams into a folder,
+    /// which may be the item itself
+    #[arg(long, value_name = "F.xml|FOLDER")]
     out: Option<PathBuf>,
-    /// Write declaration (did.xml), table (aqos.xml), stylesheet (adapt.xslt) and the descriptions of
-    /// all streams into a folder, which may be the item itself
-    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["stream", "out"])]
-    all: Option<PathBuf>,
 }
 
 /// What was written.
@@ -49,11 +47,11 @@ struct WrittenFile {
 
 /// Describes, and prints or writes.
 pub(crate) fn run(args: &GbsdArgs, console: &Console) -> anyhow::Result<()> {
-    let outputs = args.out.as_deref().into_iter();
-    console.files.plan([args.what.as_path()], outputs)?;
-    if let Some(folder) = &args.all {
+    if let Some(folder) = args.out.as_ref().filter(|_| args.describes_all()) {
         return all(args, folder, console);
     }
+    let outputs = args.out.as_deref().into_iter();
+    console.files.plan([args.what.as_path()], outputs)?;
     let xml = args.document(console)?;
     let mut report = GbsdReport {
         written: Vec::new(),
@@ -73,6 +71,11 @@ pub(crate) fn run(args: &GbsdArgs, console: &Console) -> anyhow::Result<()> {
 }
 
 impl GbsdArgs {
+    /// Whether an item as a whole is named.
+    fn describes_all(&self) -> bool {
+        files::is_item(&self.what) && self.stream.is_none()
+    }
+
     /// The one document that is asked for.
     fn document(&self, console: &Console) -> anyhow::Result<String> {
         if self.what == Path::new(STYLESHEET) {
@@ -86,7 +89,7 @@ impl GbsdArgs {
             let files = item.manifest.parts.iter().filter_map(|p| p.file.as_deref());
             let known: Vec<&str> = files.collect();
             let what = format!(
-                "{}: name a stream of the item, one of {}; or --all FOLDER",
+                "{}: name a stream of the item, one of {}; or --out FOLDER for all",
                 files::shown(&self.what),
                 known.join(", ")
             );
@@ -102,34 +105,20 @@ impl GbsdArgs {
 
 /// Writes all documents about an item.
 fn all(args: &GbsdArgs, folder: &Path, console: &Console) -> anyhow::Result<()> {
-    if !files::is_item(&args.what) {
-        let what = format!(
-            "{}: --all needs the folder of a digital item",
-            files::shown(&args.what)
-        );
+    if files::is_no_folder(folder) {
+        let what = format!("{}: this is a file; name a folder", files::shown(folder));
         return Err(fault::usage(what));
     }
+    console.files.plan([args.what.as_path()], None)?;
     let item = args.item(console)?;
     let made = documents(&item).with_context(|| files::shown(&args.what))?;
-    let written: Vec<(PathBuf, Vec<u8>)> = made
-        .into_iter()
-        .map(|(name, bytes)| (folder.join(name), bytes))
-        .collect();
-    console.files.make_folder(folder)?;
-    let mut folders: Vec<&Path> = written.iter().filter_map(|(p, _)| p.parent()).collect();
-    folders.dedup();
-    for folder in folders {
-        console.files.make_folder(folder)?;
-    }
-    console.files.write_all(&written)?;
+    let written = files::write_folder(&console.files, folder, made)?;
+    let file = |(path, bytes): (PathBuf, usize)| WrittenFile {
+        file: files::shown(&path),
+        bytes,
+    };
     let report = GbsdReport {
-        written: written
-            .iter()
-            .map(|(path, bytes)| WrittenFile {
-                file: files::shown(path),
-                bytes: bytes.len(),
-            })
-            .collect(),
+        written: written.into_iter().map(file).collect(),
         xml: None,
     };
     console.result(&report, GbsdReport::text)

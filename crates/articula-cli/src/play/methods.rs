@@ -11,7 +11,7 @@ use articula::core::{DriftOptions, JointSet, Rig};
 use articula::evaluate::NamedMethod;
 use clap::{Args, ValueEnum};
 
-use crate::arguments::{not_negative, positive};
+use crate::arguments::{not_negative, number, positive, settings, word};
 
 /// Heading of the thesis' parameters in the help.
 const THESIS: &str = "Parameters of the method thesis";
@@ -19,12 +19,28 @@ const THESIS: &str = "Parameters of the method thesis";
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
-    /// Drift of the skin against the shown pose (Articula's method)
+    /// Drift of the skin against the shown pose (Articula's method): hold the last key until the drift
+    /// exceeds the tolerance
     SkinPx,
+    /// As skin-px, with the error as seen by each camera
+    SkinPxView,
+    /// As skin-px-view, with the distance between outlines of the skin (slow; a reference)
+    SkinPxHull,
+    /// As skin-px, with one central rotation per run of frames
+    SkinPxKeyPose,
+    /// As skin-px; children cancel the error of their ancestors
+    SkinPxClosedLoop,
+    /// As skin-px, with interpolation between keys
+    SkinPxLinear,
+    /// The key table stored in the file, or the one that `build` would store
+    SkinPxTables,
     /// Two-step metric of the thesis
     Thesis,
-    /// Clusters of similar postures of each joint (after Ahn)
+    /// Clusters of similar postures of each joint (after Ahn), shown by the middle frame of a run
     Ahn,
+    /// As ahn, shown by the frame with the least sum of errors to all frames of the run, as in the
+    /// thesis
+    AhnLeastSum,
     /// Whole postures, held while they are near in the space of their principal components
     Pc,
     /// Every n-th frame, held until the next
@@ -37,63 +53,19 @@ pub(crate) enum MethodName {
     All,
 }
 
-/// Variant of `skin-px`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Variant {
-    /// Hold the last key until the drift exceeds the tolerance
-    Hold,
-    /// As hold, with the error as seen by each camera
-    View,
-    /// As view, with the distance between outlines of the skin (slow; a reference)
-    Hull,
-    /// One central rotation per run of frames
-    KeyPose,
-    /// As hold; children cancel the error of their ancestors
-    ClosedLoop,
-    /// Interpolate between keys
-    Linear,
-    /// Play the key table stored in the file, or the one that `build` would store
-    Tables,
-}
-
-impl Variant {
-    fn of_metric(self) -> SkinPxVariant {
-        match self {
-            Self::Hold => SkinPxVariant::Hold,
-            Self::View => SkinPxVariant::View,
-            Self::Hull => SkinPxVariant::Hull,
-            Self::KeyPose => SkinPxVariant::KeyPose,
-            Self::ClosedLoop => SkinPxVariant::ClosedLoop,
-            Self::Linear => SkinPxVariant::Linear,
-            Self::Tables => SkinPxVariant::Tables,
-        }
-    }
-}
-
-/// Frame of a run whose rotation Ahn's method shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum KeyFrame {
-    /// Middle frame
-    Middle,
-    /// Frame with the least sum of errors to all frames of the run, as in the thesis
-    LeastSum,
-}
-
-/// Course of a transition between held and sampled joints.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TransitionCurve {
-    /// Constant speed, as in the thesis
-    Linear,
-    /// Slow at both ends
-    Smooth,
-}
-
-impl TransitionCurve {
-    pub(crate) fn ease(self) -> Ease {
-        match self {
-            Self::Linear => Ease::Linear,
-            Self::Smooth => Ease::Smoothstep,
-        }
+impl MethodName {
+    /// The variant of skin-px; `None` for other methods.
+    fn variant(self) -> Option<SkinPxVariant> {
+        Some(match self {
+            Self::SkinPx => SkinPxVariant::Hold,
+            Self::SkinPxView => SkinPxVariant::View,
+            Self::SkinPxHull => SkinPxVariant::Hull,
+            Self::SkinPxKeyPose => SkinPxVariant::KeyPose,
+            Self::SkinPxClosedLoop => SkinPxVariant::ClosedLoop,
+            Self::SkinPxLinear => SkinPxVariant::Linear,
+            Self::SkinPxTables => SkinPxVariant::Tables,
+            _ => return None,
+        })
     }
 }
 
@@ -118,24 +90,6 @@ impl Passive {
     }
 }
 
-/// Curve of the thesis' threshold over distance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Curve {
-    /// As printed; dips near the viewer
-    Literal,
-    /// Rising, as the text describes
-    Fixed,
-}
-
-/// Direction whose rotation the position term of the thesis measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Turning {
-    /// From the joint to the mean of its children
-    Bone,
-    /// Along the path of the joint
-    Path,
-}
-
 /// Division of a tolerance among the joints of a chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Chain {
@@ -147,13 +101,33 @@ pub(crate) enum Chain {
     Split,
 }
 
-/// Lever arm of the thesis' position term.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Lever {
-    /// Length-weighted mean
-    Mean,
-    /// Plain sum
-    Sum,
+/// Parses parameters of the thesis' method that are rarely changed.
+fn thesis_settings(text: &str) -> Result<MethodOptions, String> {
+    const CURVES: &[(&str, ThresholdCurve)] = &[
+        ("literal", ThresholdCurve::Literal),
+        ("fixed", ThresholdCurve::Fixed),
+    ];
+    const DIRECTIONS: &[(&str, BoneDirection)] =
+        &[("bone", BoneDirection::Bone), ("path", BoneDirection::Path)];
+    const RADII: &[(&str, SegmentRadius)] =
+        &[("mean", SegmentRadius::Mean), ("sum", SegmentRadius::Sum)];
+    const EASES: &[(&str, Ease)] = &[("smooth", Ease::Smoothstep), ("linear", Ease::Linear)];
+    settings(text, |to: &mut MethodOptions, key, value| {
+        match key {
+            "d-min" => to.threshold.d_min_metres = not_negative(value)?,
+            "lookup-every" => to.lookup_every = usize::from(every(value)?),
+            "curve" => to.threshold.curve = word(value, CURVES)?,
+            "direction" => to.thesis.direction = word(value, DIRECTIONS)?,
+            "radius" => to.thesis.radius = word(value, RADII)?,
+            "transition" => to.transition.ease = word(value, EASES)?,
+            _ => {
+                return Ok(Some(
+                    "d-min, lookup-every, curve, direction, radius, transition",
+                ));
+            }
+        }
+        Ok(None)
+    })
 }
 
 /// The method and its parameters.
@@ -163,10 +137,6 @@ pub(crate) struct MethodArgs {
     /// [default: skin-px, or loa if --loa or --loa-profile is given]
     #[arg(long, value_enum, value_name = "M")]
     method: Option<MethodName>,
-    /// Variant of skin-px
-    /// [default: hold]
-    #[arg(long, value_enum, value_name = "V")]
-    variant: Option<Variant>,
     #[command(flatten)]
     pub(crate) selection: SelectionArgs,
     /// Pose of joints outside the level (with --method loa or a profile that bounds the method)
@@ -179,9 +149,6 @@ pub(crate) struct MethodArgs {
     /// Reduce the tolerance of joints between the root and a planted foot to a quarter (skin-px)
     #[arg(long)]
     protect_contacts: bool,
-    /// Frame whose rotation is shown for a whole run (with --method ahn or all) [default: middle]
-    #[arg(long, value_enum, value_name = "FRAME")]
-    cluster_key: Option<KeyFrame>,
     /// Weight of the angle terms against the position term in metres per radian
     #[arg(long, help_heading = THESIS, default_value_t = 1.0, value_parser = not_negative, value_name = "A")]
     alpha: f32,
@@ -194,37 +161,25 @@ pub(crate) struct MethodArgs {
     /// Threshold at the farthest distance [default: 10 times --thr-init]
     #[arg(long, help_heading = THESIS, value_parser = not_negative, value_name = "E")]
     thr_max: Option<f32>,
-    /// Closest viewing distance in metres
-    #[arg(long, help_heading = THESIS, default_value_t = 3.5, value_parser = not_negative, value_name = "M")]
-    d_min: f32,
     /// Farthest viewing distance in metres
     #[arg(long, help_heading = THESIS, default_value_t = 16.0, value_parser = positive, value_name = "M")]
     d_max: f32,
-    /// Duration of the transition between active and passive in milliseconds [default: 200 with
-    /// --schedule and for skin-px with --camera-path, else 0]
+    /// Duration of the transition between active and passive in milliseconds [default: 0; 200 with
+    /// --schedule, and for skin-px with --camera-path]
     #[arg(long, value_parser = not_negative, value_name = "MS")]
     transition_ms: Option<f32>,
-    /// Course of the transition
-    #[arg(long, value_enum, value_name = "CURVE", default_value = "smooth")]
-    transition: TransitionCurve,
-    /// Consult the error matrix in every n-th frame only
-    #[arg(long, help_heading = THESIS, value_name = "N", default_value_t = 1, value_parser = every)]
-    lookup_every: u16,
-    /// Curve of the threshold over distance
-    #[arg(long, help_heading = THESIS, value_enum, default_value = "literal")]
-    curve: Curve,
-    /// Direction whose rotation the position term measures
-    #[arg(long, help_heading = THESIS, value_enum, default_value = "bone")]
-    direction: Turning,
-    /// Lever arm of the position term
-    #[arg(long, help_heading = THESIS, value_enum, default_value = "mean")]
-    radius: Lever,
+    /// Rarely changed: d-min=M, the closest viewing distance [default: 3.5]; lookup-every=N, frames
+    /// between look-ups of the error matrix [default: 1]; curve of the threshold over distance, literal
+    /// as printed (it dips near the viewer) or fixed (rising, as the text describes); direction whose
+    /// rotation the position term measures, bone (to the mean of the children) or path (of the joint);
+    /// radius, its lever arm, mean (weighted by length) or sum; transition=smooth or linear, the course
+    /// of transitions of every method [default: the first of each]
+    #[arg(long, help_heading = THESIS, value_name = "KEY=VALUE,…", value_parser = thesis_settings)]
+    thesis: Option<MethodOptions>,
 }
 
 fn share(text: &str) -> Result<f32, String> {
-    let number = text.parse::<f32>().ok();
-    let number = number.filter(|n| (0.0..=1.0).contains(n));
-    number.ok_or_else(|| "expected a number from 0 to 1".into())
+    number(text, |n| (0.0..=1.0).contains(&n), "a number from 0 to 1")
 }
 
 fn every(text: &str) -> Result<u16, String> {
@@ -249,37 +204,25 @@ impl MethodArgs {
         self.selection.is_bound().unwrap_or(false)
     }
 
-    fn variant(&self) -> Variant {
-        self.variant.unwrap_or(Variant::Hold)
+    fn rare(&self) -> MethodOptions {
+        self.thesis.unwrap_or_default()
     }
 
     /// Refuses flags that the method would ignore; `scheduled` says that levels change over time.
     pub(crate) fn check(&self, scheduled: bool) -> anyhow::Result<()> {
-        self.selection.check()?;
         self.selection.is_bound()?;
-        if self.d_min >= self.d_max {
-            let (near, far) = (self.d_min, self.d_max);
+        let (near, far) = (self.rare().threshold.d_min_metres, self.d_max);
+        if near >= far {
             return Err(fault::usage(format!(
-                "--d-min {near} --d-max {far}: the closest view must be nearer than the farthest"
+                "--thesis d-min={near} --d-max {far}: the closest view must be nearer than the farthest"
             )));
         }
         let method = self.method();
-        let is_clustered = matches!(method, MethodName::Ahn | MethodName::All);
-        let what = match method {
-            _ if self.cluster_key.is_some() && !is_clustered => {
-                "--cluster-key applies to ahn; leave it out, or play --method ahn"
-            }
-            MethodName::SkinPx if self.passive.is_some() && !scheduled && !self.is_bound() => {
+        let what = match method.variant() {
+            Some(_) if self.passive.is_some() && !scheduled && !self.is_bound() => {
                 "--passive sets the pose of joints outside a fixed level; add --loa EXPR or --method loa"
             }
-            MethodName::SkinPx => return Ok(()),
-            MethodName::All if self.variant.is_some() => {
-                "--method all plays all variants of skin-px; leave --variant out"
-            }
-            _ if self.variant.is_some() => {
-                "--variant chooses a variant of skin-px; leave it out, or play --method skin-px"
-            }
-            _ if self.protect_contacts && method != MethodName::All => {
+            None if self.protect_contacts && method != MethodName::All => {
                 "--protect-contacts applies to skin-px; leave it out, or play --method skin-px"
             }
             _ => return Ok(()),
@@ -296,20 +239,23 @@ impl MethodArgs {
                  or write \"manual\": false into the profile, so that it bounds the method",
             ));
         }
-        Ok(vec![match self.method() {
-            MethodName::SkinPx => Method::SkinPx(self.variant().of_metric()).into(),
+        let method = self.method();
+        if let Some(variant) = method.variant() {
+            return Ok(vec![Method::SkinPx(variant).into()]);
+        }
+        Ok(vec![match method {
             MethodName::Thesis => Method::Thesis.into(),
-            MethodName::Ahn => Method::Ahn.into(),
+            MethodName::Ahn | MethodName::AhnLeastSum => Method::Ahn.into(),
             MethodName::Pc => Method::PrincipalComponents.into(),
             MethodName::SkipHold => Method::SkipHold.into(),
             MethodName::SkipLerp => Method::SkipLerp.into(),
-            MethodName::Loa => self.level(rig)?,
             MethodName::All => {
                 let mut all = NamedMethod::all(rig);
                 all.pop();
                 all.push(self.level(rig)?);
                 return Ok(all);
             }
+            _ => self.level(rig)?,
         }])
     }
 
@@ -332,33 +278,17 @@ impl MethodArgs {
     pub(crate) fn options(&self, rig: &Rig) -> anyhow::Result<MethodOptions> {
         let mut options = MethodOptions {
             articulation: self.articulation(rig)?,
-            lookup_every: usize::from(self.lookup_every),
-            ..MethodOptions::default()
+            ..self.rare()
         };
         options.thesis.alpha = self.alpha;
         options.thesis.beta = self.beta;
-        options.thesis.direction = match self.direction {
-            Turning::Bone => BoneDirection::Bone,
-            Turning::Path => BoneDirection::Path,
-        };
-        options.thesis.radius = match self.radius {
-            Lever::Mean => SegmentRadius::Mean,
-            Lever::Sum => SegmentRadius::Sum,
-        };
         options.threshold.thr_init = self.thr_init;
         options.threshold.thr_max = self.thr_max.unwrap_or(10.0 * self.thr_init);
-        options.threshold.d_min_metres = self.d_min;
         options.threshold.d_max_metres = self.d_max;
-        options.threshold.curve = match self.curve {
-            Curve::Literal => ThresholdCurve::Literal,
-            Curve::Fixed => ThresholdCurve::Fixed,
-        };
-        options.cluster_key = match self.cluster_key {
-            None | Some(KeyFrame::Middle) => ClusterKey::Middle,
-            Some(KeyFrame::LeastSum) => ClusterKey::LeastSum,
-        };
+        if self.method() == MethodName::AhnLeastSum {
+            options.cluster_key = ClusterKey::LeastSum;
+        }
         options.transition.secs = self.transition_ms.unwrap_or(0.0) / 1000.0;
-        options.transition.ease = self.transition.ease();
         options.transition.policy = self.passive.unwrap_or(Passive::KeyPose).policy();
         options.protect_contacts = self.protect_contacts;
         options.chain = match self.chain {
@@ -376,7 +306,7 @@ impl MethodArgs {
         let usual = TransitionOptions::default();
         TransitionOptions {
             secs: self.transition_ms.map_or(usual.secs, |ms| ms / 1000.0),
-            ease: self.transition.ease(),
+            ease: self.rare().transition.ease,
             policy: self.passive.map_or(usual.policy, Passive::policy),
         }
     }
@@ -396,16 +326,16 @@ impl MethodArgs {
         if let Some(ms) = self.transition_ms {
             drift.transition.secs = ms / 1000.0;
         }
-        drift.transition.ease = self.transition.ease();
-        let method = match (self.method(), self.variant()) {
-            (MethodName::SkinPx, Variant::Hold) => PathMethod::Drift(drift),
-            (MethodName::SkinPx, Variant::View) => PathMethod::DriftInView(drift),
-            (MethodName::SkinPx, Variant::Tables) => PathMethod::Tables(drift.epsilon_px),
-            (MethodName::Thesis, _) => {
+        drift.transition.ease = self.rare().transition.ease;
+        let method = match self.method() {
+            MethodName::SkinPx => PathMethod::Drift(drift),
+            MethodName::SkinPxView => PathMethod::DriftInView(drift),
+            MethodName::SkinPxTables => PathMethod::Tables(drift.epsilon_px),
+            MethodName::Thesis => {
                 let by_distance = self.options(rig)?.threshold;
                 PathMethod::Thesis(parameter.map_or(by_distance, Threshold::constant))
             }
-            (MethodName::Loa, _) => {
+            MethodName::Loa => {
                 let level = self.level(rig)?;
                 let Method::Loa(sets) = &level.method else {
                     anyhow::bail!("the level has no joints");
@@ -420,8 +350,8 @@ impl MethodArgs {
                 return Ok((PathMethod::Loa(*set), level.levels.get(at).cloned()));
             }
             _ => {
-                let what = "--camera-path plays skin-px (variants hold, view and tables), thesis and loa; \
-                            leave other methods and variants out";
+                let what = "--camera-path plays skin-px, skin-px-view, skin-px-tables, thesis and loa; \
+                            leave other methods out";
                 return Err(fault::usage(what));
             }
         };

@@ -22,20 +22,12 @@ pub(crate) struct SelectionArgs {
     /// Also move the ancestors of joints that may move (with --loa or --loa-profile)
     #[arg(long)]
     with_ancestors: bool,
-    /// Write the joints of --loa or --loa-profile as a LoA profile (JSON)
-    #[arg(long, value_name = "F.json")]
-    save_loa_profile: Option<PathBuf>,
 }
 
 impl SelectionArgs {
     /// The file that is read.
     pub(crate) fn input(&self) -> &Option<PathBuf> {
         &self.loa_profile
-    }
-
-    /// The file that is written.
-    pub(crate) fn output(&self) -> Option<&Path> {
-        self.save_loa_profile.as_deref()
     }
 
     /// Whether joints are selected.
@@ -49,13 +41,13 @@ impl SelectionArgs {
         Ok(profile.transpose()?.is_some_and(|profile| !profile.manual))
     }
 
-    /// Refuses flags that need a selection.
-    pub(crate) fn check(&self) -> anyhow::Result<()> {
-        let needs = match (self.with_ancestors, &self.save_loa_profile) {
+    /// Refuses flags that need a selection; `saved` if it is to be written.
+    pub(crate) fn check(&self, saved: bool) -> anyhow::Result<()> {
+        let needs = match self.with_ancestors {
             _ if self.is_given() => return Ok(()),
-            (true, _) => "--with-ancestors",
-            (false, Some(_)) => "--save-loa-profile",
-            (false, None) => return Ok(()),
+            true => "--with-ancestors",
+            false if saved => "--write loa-profile",
+            false => return Ok(()),
         };
         let what = format!("{needs} needs --loa EXPR or --loa-profile F.json");
         Err(fault::usage(what))
@@ -83,9 +75,14 @@ impl SelectionArgs {
         }))
     }
 
-    /// Writes the selected joints, if asked to; returns the path for the report.
-    pub(crate) fn save(&self, rig: &Rig, files: &Files) -> anyhow::Result<Option<String>> {
-        let (Some(path), Some((_, set))) = (&self.save_loa_profile, self.joints(rig)?) else {
+    /// Writes the selected joints; returns the path for the report.
+    pub(crate) fn save(
+        &self,
+        rig: &Rig,
+        path: &Path,
+        files: &Files,
+    ) -> anyhow::Result<Option<String>> {
+        let Some((_, set)) = self.joints(rig)? else {
             return Ok(None);
         };
         let profile = LoaProfile {
@@ -116,7 +113,7 @@ fn named(rig: &Rig, set: &JointSet) -> anyhow::Result<Selection> {
     match selection.joints(rig) {
         Ok(found) if found == *set => Ok(selection),
         _ => anyhow::bail!(
-            "--save-loa-profile: joints of this file share a name or have none, so a list of names \
+            "--write loa-profile: joints of this file share a name or have none, so a list of names \
              does not select them; give the joints names of their own"
         ),
     }

@@ -41,13 +41,16 @@ fn a_motion_finds_its_skeleton() {
     let why = fault(&here, 1, &["inspect", "run_01.amc"]);
     assert!(
         why.contains("no .asf file in the folder has a name that matches")
-            && why.contains("--skeleton F.asf")
+            && why.contains("--read skeleton=F.asf")
     );
     assert!(why.contains("wa.asf, walk.asf"), "{why}");
     put(&here, &["run.asf", "r.asf"]);
     let found = json(&here, &["inspect", "run_01.amc"]);
     assert!(warned(&found).contains("run.asf is used: the name of the motion begins"));
-    let found = json(&here, &["inspect", "run_01.amc", "--skeleton", "walk.asf"]);
+    let found = json(
+        &here,
+        &["inspect", "run_01.amc", "--read", "skeleton=walk.asf"],
+    );
     assert!(
         !warned(&found).contains("is used:"),
         "what is asked for is no guess"
@@ -57,7 +60,7 @@ fn a_motion_finds_its_skeleton() {
     put(&alone, &["walk.amc"]);
     let why = fault(&alone, 1, &["inspect", "walk.amc"]);
     assert!(
-        why.contains("is not in the same folder") && why.contains("--skeleton"),
+        why.contains("is not in the same folder") && why.contains("--read skeleton"),
         "{why}"
     );
     put(&alone, &["man.asf"]);
@@ -80,10 +83,8 @@ fn unit_and_rate_can_be_given() {
         &[
             "inspect",
             "walk.amc",
-            "--unit-metres",
-            "2",
-            "--amc-rate-hz",
-            "60",
+            "--read",
+            "unit-metres=2,amc-rate-hz=60",
         ],
     );
     assert_eq!(

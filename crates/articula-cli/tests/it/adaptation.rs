@@ -57,7 +57,7 @@ fn an_item_is_cut_to_its_context_by_both_engines() {
     // Two seconds at this bandwidth carry nine tenths.
     let kbps = format!("{:.3}", 0.9 * bytes * 8.0 / 2.0 / 1000.0);
     let less = ["adapt", "robot", "less", "--bandwidth-kbps", &kbps];
-    let cut = json(&here, &[&less[..], &["--glb", "less.glb"]].concat());
+    let cut = json(&here, &less);
     let sent = cut["bytes_out"].as_f64().unwrap();
     assert!(sent <= 0.9 * bytes && sent < bytes, "{sent} of {bytes}");
     assert!((cut["decision"]["network_ratio"].as_f64().unwrap() - 0.9).abs() < 1e-3);
@@ -65,6 +65,7 @@ fn an_item_is_cut_to_its_context_by_both_engines() {
     assert!(error(&cut) > error(&whole));
     let words = cut["decision"]["explanation"].as_str().unwrap();
     assert!(words.contains("limited by: the bytes"), "{words}");
+    json(&here, &["convert", "less", "less.glb"]);
     let shown = json(&here, &["inspect", "less.glb"]);
     assert_eq!(shown["clips"][0]["name"], "Robot_Walking");
     // An adapted item is an item.
@@ -159,7 +160,7 @@ fn contexts_tables_and_descriptions_are_read_and_written() {
         sheet.as_bytes(),
         std::fs::read(here.join("robot/adapt.xslt")).unwrap()
     );
-    let all = json(&here, &["gbsd", "robot", "--all", "documents"]);
+    let all = json(&here, &["gbsd", "robot", "--out", "documents"]);
     assert_eq!(all["written"].as_array().unwrap().len(), 5);
 
     let why = fault(&here, 2, &["gbsd", "robot"]);

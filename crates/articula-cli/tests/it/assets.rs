@@ -63,8 +63,8 @@ fn the_reference_human_plays_the_same_from_its_asset() {
     let runs = [
         with(&["--mesh-levels", "1"]),
         with(&["--mesh-levels", "5"]),
-        with(&["--level", "full", "--palette", "skin"]),
-        with(&["--level", "loa(Low)", "--storage", "short"]),
+        with(&["--level", "full"]),
+        with(&["--level", "loa(Low)"]),
         with(&[
             "--clip",
             "walk",
@@ -80,8 +80,8 @@ fn the_reference_human_plays_the_same_from_its_asset() {
             "a.glb",
             "--clip",
             "wave",
-            "--variant",
-            "tables",
+            "--method",
+            "skin-px-tables",
             "--distances",
             "9",
         ],

@@ -62,10 +62,10 @@ fn a_capture_becomes_fap_and_comes_back() {
     }
     let said = fault(&here, 2, &["convert", "a.csv", "b.glb"]);
     assert!(said.contains("a CSV capture animates a face"), "{said}");
-    std::fs::write(here.join("bad.csv"), capture().replace("0.5,", "half,")).unwrap();
+    std::fs::write(here.join("bad.csv"), capture().replace("10:00:", "ten:")).unwrap();
     let said = fault(&here, 1, &["convert", "bad.csv", "c.fap"]);
     assert!(
-        said.contains("bad.csv: line 17: column 3: \"half\" found"),
+        said.contains("bad.csv: line 2: column 1: \"ten:00:00.0\" found"),
         "{said}"
     );
 }

@@ -235,7 +235,7 @@ fn edits_come_in_one_order_and_say_what_they_did() {
     std::fs::write(here.join("a.bvh"), BVH).unwrap();
     let words = |flags: &[&'static str]| {
         [
-            &["convert", "a.bvh", "o.glb", "--unit-metres", "0.01"],
+            &["convert", "a.bvh", "o.glb", "--read", "unit-metres=0.01"],
             flags,
         ]
         .concat()
@@ -277,8 +277,9 @@ fn edits_come_in_one_order_and_say_what_they_did() {
         &["--rate", "0"],
         &["--reduce-keys", "1km"],
         &["--root-motion", "away"],
-        &["--drop-rest"],
-        &["--loop-window", "1"],
+        &["--reduce-keys", "1mm,rest"],
+        &["--root-motion", "keep:0"],
+        &["--loop=0"],
     ] {
         let ran = program::articula(&here, &words(bad));
         assert_eq!(ran.status, 2, "{bad:?}: {}", ran.err);

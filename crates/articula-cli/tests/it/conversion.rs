@@ -158,19 +158,20 @@ fn the_unit_of_a_bvh_file_can_be_given() {
     let here = folder("unit");
     std::fs::write(here.join("a.bvh"), BVH).unwrap();
     let height = |unit: &str| {
-        let found = json(&here, &["inspect", "a.bvh", "--unit-metres", unit]);
+        let unit = format!("unit-metres={unit}");
+        let found = json(&here, &["inspect", "a.bvh", "--read", &unit]);
         found["height_m"].as_f64().unwrap()
     };
     assert!((height("0.02") / height("0.01") - 2.0).abs() < 1e-5);
-    let told = json(&here, &["inspect", "a.bvh", "--unit-metres", "0.01"]);
+    let told = json(&here, &["inspect", "a.bvh", "--read", "unit-metres=0.01"]);
     let warnings = told["warnings"].to_string();
-    assert!(!warnings.contains("--unit-metres"), "{warnings}");
+    assert!(!warnings.contains("unit-metres"), "{warnings}");
     // A guess is shown with the flag that overrides it, by both commands.
     for words in [&["inspect", "a.bvh"][..], &["convert", "a.bvh", "a.glb"]] {
         let guessed = json(&here, words)["warnings"].to_string();
         assert!(guessed.contains("read as"), "{guessed}");
         assert!(
-            guessed.contains("give --unit-metres M if that is wrong"),
+            guessed.contains("give --read unit-metres=M if that is wrong"),
             "{guessed}"
         );
     }

@@ -112,7 +112,7 @@ fn a_face_clip_goes_onto_a_face_without_shapes() {
         &["convert", speech, "a.glb", "--onto", "bald.glb"],
     );
     assert!(said.contains("--face-shapes"), "{said}");
-    assert!(said.contains("--fat"), "{said}");
+    assert!(said.contains("--face-shapes=fat"), "{said}");
     let words = [
         "convert",
         speech,
@@ -135,7 +135,10 @@ fn a_face_clip_goes_onto_a_face_without_shapes() {
         (1, 51)
     );
     // All shapes of the result are drawn.
-    let drawn = json(&here, &["inspect", "a.glb", "--shape-sheet", "shapes.png"]);
+    let drawn = json(
+        &here,
+        &["inspect", "a.glb", "--write", "shape-sheet=shapes.png"],
+    );
     assert_eq!(drawn["written"], serde_json::json!(["shapes.png"]));
     assert!(
         std::fs::read(here.join("shapes.png"))
@@ -145,13 +148,13 @@ fn a_face_clip_goes_onto_a_face_without_shapes() {
     let said = fault(
         &here,
         2,
-        &["inspect", "bald.glb", "--shape-sheet", "none.png"],
+        &["inspect", "bald.glb", "--write", "shape-sheet=none.png"],
     );
     assert!(said.contains("no morph target"), "{said}");
     // Points can be given; a face that has shapes keeps them.
     json(
         &here,
-        &["inspect", "bald.glb", "--write-face-points", "points.json"],
+        &["inspect", "bald.glb", "--write", "face-points=points.json"],
     );
     let given = ["--face-shapes", "--face-points", "points.json"];
     json(
@@ -210,7 +213,14 @@ fn a_table_shows_parameters_as_they_are() {
         return;
     };
     say(&here.join("say.fap"));
-    let words = ["convert", "say.fap", "a.glb", "--onto", "bald.glb", "--fat"];
+    let words = [
+        "convert",
+        "say.fap",
+        "a.glb",
+        "--onto",
+        "bald.glb",
+        "--face-shapes=fat",
+    ];
     let report = json(&here, &words);
     let table = &report["face_table"];
     let face = &report["onto"]["faces"][0];
@@ -271,7 +281,7 @@ fn a_table_leaves_blend_shapes_and_clips_as_they_are() {
         "b.glb",
         "--onto",
         word(&head),
-        "--fat",
+        "--face-shapes=fat",
         "--keep-clips",
     ];
     let report = json(&here, &words);
@@ -293,6 +303,10 @@ fn a_table_leaves_blend_shapes_and_clips_as_they_are() {
     let own = clip(&before, shapes);
     assert_eq!(clip(&after, all)[..shapes], own[..]);
     assert!(own.iter().any(|w| *w > 0.0));
-    let said = fault(&here, 1, &["convert", "b.glb", "c.glb", "--fat"]);
+    let said = fault(
+        &here,
+        1,
+        &["convert", "b.glb", "c.glb", "--face-shapes=fat"],
+    );
     assert!(said.contains("a face animation table already"), "{said}");
 }

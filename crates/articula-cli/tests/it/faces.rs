@@ -1,7 +1,7 @@
 //! Feature points of faces: `inspect --face`.
 
 use crate::judges::{ask, judges_are_here};
-use crate::program::{edited, fault, folder, json, word};
+use crate::program::{articula, edited, fault, folder, json, word};
 use crate::real;
 use articula::formats::Limits;
 use articula::formats::mpeg4::fap::FapClip;
@@ -31,10 +31,8 @@ fn points_of_a_face_are_found_drawn_written_and_given_back() {
     let words = [
         "inspect",
         head,
-        "--face-sheet",
-        "face.png",
-        "--write-face-points",
-        "face.json",
+        "--write",
+        "face-sheet=face.png,face-points=face.json",
     ];
     let found = json(&here, &words);
     assert_eq!(
@@ -66,8 +64,8 @@ fn points_of_a_face_are_found_drawn_written_and_given_back() {
     let same = [
         "--face-points",
         "face.json",
-        "--write-face-points",
-        "face.json",
+        "--write",
+        "face-points=face.json",
     ];
     fault(
         &here,
@@ -106,8 +104,10 @@ fn what_cannot_be_done_is_said() {
         said.contains("bad.json: points.2.99: no such feature point"),
         "{said}"
     );
-    let said = fault(&here, 2, &["inspect", head, "--face-sheet", "face.jpg"]);
-    assert!(said.contains("name the file .png"), "{said}");
+    let words = ["inspect", head, "--write", "face-sheet=face.jpg"];
+    let ran = articula(&here, &words);
+    assert_eq!(ran.status, 2);
+    assert!(ran.err.contains("name the file .png"), "{}", ran.err);
     let fdp = r#"<?xml version="1.0"?><xfdp><file version="0.2"/><fapu IRISD0="1" ES0="1" ENS0="1" MNS0="1" MW0="1"/>
 <fdp index="99999" affects="head" name="2.1"><indices></indices></fdp></xfdp>"#;
     std::fs::write(here.join("far.fdp"), fdp).unwrap();
@@ -128,7 +128,7 @@ fn a_face_is_written_as_fdp_and_read_back() {
     };
     let here = folder("face-fdp");
     let head = word(&head);
-    let found = json(&here, &["inspect", head, "--write-face-points", "a.fdp"]);
+    let found = json(&here, &["inspect", head, "--write", "face-points=a.fdp"]);
     let bytes = std::fs::read(here.join("a.fdp")).unwrap();
     let file = fdp::read(&bytes, &Limits::default()).unwrap().value;
     for unit in found["face_layout"]["units"].as_array().unwrap() {
@@ -273,9 +273,9 @@ fn the_parameters_of_a_distance_are_written() {
     };
     let here = folder("face-chosen");
     let words = ["lod", word(&talk), "--onto", word(&head)];
-    let line = fault(&here, 2, &[&words[..], &["--write-fap", "c.fap"]].concat());
+    let line = fault(&here, 2, &[&words[..], &["--write", "fap=c.fap"]].concat());
     assert!(line.contains("--distances"), "{line}");
-    let more = ["--distances", "3.5", "--write-fap", "c.fap"];
+    let more = ["--distances", "3.5", "--write", "fap=c.fap"];
     let chosen = json(&here, &[&words[..], &more].concat());
     assert_eq!(chosen["written"], serde_json::json!(["c.fap"]));
     let kept = chosen["rows"][0]["chosen"].as_array().unwrap();

@@ -119,10 +119,14 @@ fn wrong_words_and_files_are_told_in_one_line() {
     let human = word(short());
     for (status, words, expected) in [
         (2, vec!["flatten", human, "a.bmp"], "name the file .svg"),
-        (2, vec!["flatten", human, "a.svg", "--exact"], "--exact"),
         (
             2,
-            vec!["flatten", human, "a.svg", "--merge", "9"],
+            vec!["flatten", human, "a.svg", "--shading", "exact"],
+            "--shading exact",
+        ),
+        (
+            2,
+            vec!["flatten", human, "a.svg", "--quality", "merge=9"],
             "--shading flat",
         ),
         (
@@ -159,6 +163,10 @@ fn wrong_words_and_files_are_told_in_one_line() {
         (
             vec!["flatten", human, "a.svg", "--triangles", "100000"],
             "20000",
+        ),
+        (
+            vec!["flatten", human, "a.svg", "--quality", "split=no"],
+            "split: expected on or off",
         ),
         (
             vec!["flatten", human, "a.svg", "--profile", "flash"],

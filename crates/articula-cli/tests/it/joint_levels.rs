@@ -55,10 +55,7 @@ fn levels_of_joints_are_listed_and_far_ones_are_marked() {
     assert_eq!(all[0]["clips"].as_array().unwrap().len(), 3);
     let far: Vec<&Value> = all.iter().filter(|l| l["far"] == true).collect();
     assert!(!far.is_empty(), "the coarse levels drop ancestors");
-    let near = json(
-        &here,
-        &["inspect", human, "--joint-levels", "--far-from-mm", "1e9"],
-    );
+    let near = json(&here, &["inspect", human, "--joint-levels=1e9"]);
     check(levels(&near), 89.0);
     assert!(levels(&near).iter().all(|l| l["far"] == false));
     // With as few joints, a far level is better than a near one.

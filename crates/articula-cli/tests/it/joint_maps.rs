@@ -1,4 +1,4 @@
-//! Joint maps of a user: `inspect --write-joint-map`, `--joint-map`, doubtful joints, hands alone and
+//! Joint maps of a user: `inspect --write joint-map=…`, `--joint-map`, doubtful joints, hands alone and
 //! rigs that are no humans.
 
 use crate::program::{articula, edited, fault, folder, human, json, word};
@@ -37,7 +37,7 @@ fn mapping(found: &Value) -> Vec<[Value; 3]> {
 
 /// A written map gives the joints of its own rig what they had; returns the report of the first run.
 fn comes_back(here: &Path, file: &Path) -> Value {
-    let words = ["inspect", word(file), "--write-joint-map", "map.json"];
+    let words = ["inspect", word(file), "--write", "joint-map=map.json"];
     let before = json(here, &words);
     assert_eq!(before["written"][0], "map.json");
     let after = json(here, &["inspect", word(file), "--joint-map", "map.json"]);
@@ -84,7 +84,7 @@ fn a_written_joint_map_maps_the_rig_as_before() {
     }
     // A rig that was recognised by its shape has no names to write.
     let cesium = data.join("glb/CesiumMan.glb");
-    let words = ["inspect", word(&cesium), "--write-joint-map", "no.json"];
+    let words = ["inspect", word(&cesium), "--write", "joint-map=no.json"];
     let line = fault(&here, 1, &words);
     assert!(
         line.contains("CesiumMan.glb: joints: no joint map can tell them"),
@@ -100,7 +100,7 @@ fn an_unknown_rig_is_written_to_be_edited() {
     let fox = data.join("glb/Fox.glb");
     json(
         &here,
-        &["inspect", word(&fox), "--write-joint-map", "fox.json"],
+        &["inspect", word(&fox), "--write", "joint-map=fox.json"],
     );
     let text = std::fs::read_to_string(here.join("fox.json")).unwrap();
     let mut map: Value = serde_json::from_str(&text).unwrap();
@@ -186,7 +186,7 @@ fn doubtful_joints_are_listed_with_the_reason() {
     let text = articula(&here, &["inspect", "odd.glb"]).out;
     let line = "\"Kneipe\" as l_knee, low confidence: unknown name; found by its place in the tree";
     assert!(text.contains(line), "{text}");
-    assert!(text.contains("--write-joint-map F.json"), "{text}");
+    assert!(text.contains("--write joint-map=F.json"), "{text}");
 }
 
 /// A joint map may come from a pipe, which can be read once.
@@ -195,7 +195,7 @@ fn doubtful_joints_are_listed_with_the_reason() {
 fn a_joint_map_is_read_once() {
     let here = folder("joint-map-pipe");
     std::fs::write(here.join("hand.bvh"), bvh("LeftHand", &FINGERS, 5.0)).unwrap();
-    let words = ["inspect", "hand.bvh", "--write-joint-map", "hand.json"];
+    let words = ["inspect", "hand.bvh", "--write", "joint-map=hand.json"];
     json(&here, &words);
     let line = "cat hand.json | \"$0\" inspect hand.bvh --joint-map /dev/stdin --json";
     let mut shell = std::process::Command::new("sh");
@@ -216,7 +216,7 @@ fn a_joint_map_is_read_once() {
 fn a_file_without_joints_has_no_joint_map() {
     let here = folder("joint-map-data");
     std::fs::write(here.join("a.fap"), "2.1 a 30 1\n").unwrap();
-    let words = ["inspect", "a.fap", "--write-joint-map", "o.json"];
+    let words = ["inspect", "a.fap", "--write", "joint-map=o.json"];
     assert!(fault(&here, 2, &words).contains("this file has no joints"));
 }
 
@@ -263,7 +263,10 @@ const FINGERS: [&[&str]; 5] = [
 fn a_hand_alone_is_mapped_and_moves_the_hand_of_a_figure() {
     let here = folder("hands-alone");
     std::fs::write(here.join("hand.bvh"), bvh("LeftHand", &FINGERS, 5.0)).unwrap();
-    let found = json(&here, &["inspect", "hand.bvh", "--unit-metres", "0.01"]);
+    let found = json(
+        &here,
+        &["inspect", "hand.bvh", "--read", "unit-metres=0.01"],
+    );
     let skeleton = &found["skeletons"][0];
     assert_eq!(
         (skeleton["mapped"].as_u64(), skeleton["profile"].as_str()),
@@ -284,7 +287,7 @@ fn a_hand_alone_is_mapped_and_moves_the_hand_of_a_figure() {
         &["convert", word(human()), "p.glb", "--onto", "hand.bvh"],
     );
     assert!(line.contains("hand.bvh: joints: "), "{line}");
-    let words = ["inspect", "hand.bvh", "--write-joint-map", "hand.json"];
+    let words = ["inspect", "hand.bvh", "--write", "joint-map=hand.json"];
     json(&here, &words);
     let text = std::fs::read_to_string(here.join("hand.json")).unwrap();
     assert!(text.contains("\"scope\": \"hand\""), "{text}");
@@ -306,8 +309,8 @@ fn a_motion_of_a_rig_that_is_no_human_goes_onto_one_of_the_same_names() {
         "o.bvh",
         "--onto",
         "large.bvh",
-        "--unit-metres",
-        "0.01",
+        "--read",
+        "unit-metres=0.01",
     ];
     let report = json(&here, &words);
     let motion = &report["onto"]["motions"][0];
@@ -337,8 +340,8 @@ fn a_motion_of_a_rig_that_is_no_human_goes_onto_one_of_the_same_names() {
         "p.bvh",
         "--onto",
         "other.bvh",
-        "--unit-metres",
-        "0.01",
+        "--read",
+        "unit-metres=0.01",
     ];
     let line = fault(&here, 1, &words);
     assert!(

@@ -46,8 +46,8 @@ fn the_reference_human_goes_to_the_scheme_of_the_thesis_and_back() {
         "walk.abp",
         "--clip",
         "walk",
-        "--group-by",
-        "region",
+        "--stream",
+        "group-by=region",
     ];
     json(&here, &words);
     let stream = json(&here, &["inspect", "walk.abp"]);

@@ -79,6 +79,11 @@ fn inputs(name: &str) -> PathBuf {
 const CAMERA: &str = "[{\"t\":0,\"eye\":[0,1.5,5],\"target\":[0,1,0]},\
                        {\"t\":1,\"eye\":[0,1.5,4],\"target\":[0,1,0]}]";
 
+/// Words with the name of a file in place of another.
+fn filled(words: &[&str], from: &str, to: &str) -> Vec<String> {
+    words.iter().map(|word| word.replace(from, to)).collect()
+}
+
 /// Each way to write a file: the words, where OUT stands for the output, and the inputs that OUT
 /// must not be.
 const WAYS: &[(&[&str], &[&str])] = &[
@@ -127,8 +132,8 @@ const WAYS: &[(&[&str], &[&str])] = &[
             "loa(Low)",
             "--method",
             "loa",
-            "--save-loa-profile",
-            "OUT",
+            "--write",
+            "loa-profile=OUT",
         ],
         &["path.json"],
     ),
@@ -140,8 +145,8 @@ const WAYS: &[(&[&str], &[&str])] = &[
             "loa",
             "--loa-profile",
             "profile.json",
-            "--save-loa-profile",
-            "OUT",
+            "--write",
+            "loa-profile=OUT",
         ],
         &["profile.json"],
     ),
@@ -187,8 +192,8 @@ const WAYS: &[(&[&str], &[&str])] = &[
             "a.glb",
             "--joint-map",
             "names.json",
-            "--write-joint-map",
-            "OUT",
+            "--write",
+            "joint-map=OUT",
         ],
         &["names.json"],
     ),
@@ -220,10 +225,8 @@ fn no_command_writes_to_an_input_under_any_name() {
             std::fs::hard_link(here.join(input), here.join(&hard)).unwrap();
             let spelled = [(*input).to_owned(), format!("sub/../{input}"), linked, hard];
             for out in &spelled {
-                let words: Vec<&str> = words
-                    .iter()
-                    .map(|w| if *w == "OUT" { out.as_str() } else { w })
-                    .collect();
+                let words = filled(words, "OUT", out);
+                let words: Vec<&str> = words.iter().map(String::as_str).collect();
                 let line = fault(&here, 2, &[&words[..], &["--force"]].concat());
                 assert!(line.contains("never replaced"), "{words:?}: {line}");
             }
@@ -258,11 +261,9 @@ fn every_command_keeps_other_files_unless_forced() {
     };
     for (words, _) in WAYS {
         let out = format!("out.{}", endings(words));
-        let shown: Vec<&str> = words
-            .iter()
-            .map(|w| if *w == "OUT" { out.as_str() } else { w })
-            .collect();
-        let words = [&shown[..], &["--quiet"]].concat();
+        let shown = filled(words, "OUT", &out);
+        let words: Vec<&str> = shown.iter().map(String::as_str).collect();
+        let words = [&words[..], &["--quiet"]].concat();
         std::fs::write(here.join(&out), b"somebody's work").unwrap();
         let before = snapshot(&here);
         let line = fault(&here, 1, &words);
@@ -272,10 +273,8 @@ fn every_command_keeps_other_files_unless_forced() {
         );
         assert_eq!(snapshot(&here), before, "{words:?}");
         let missing = format!("no/such/{out}");
-        let elsewhere: Vec<&str> = words
-            .iter()
-            .map(|w| if *w == out { missing.as_str() } else { w })
-            .collect();
+        let elsewhere = filled(&words, &out, &missing);
+        let elsewhere: Vec<&str> = elsewhere.iter().map(String::as_str).collect();
         let line = fault(&here, 1, &elsewhere);
         assert!(
             line.contains("no/such does not exist"),

@@ -27,6 +27,7 @@ mod flatten;
 mod flatten_browser;
 mod flatten_judged;
 mod folders;
+mod guides;
 mod hostile;
 mod items;
 mod joint_levels;
@@ -47,6 +48,7 @@ mod readme;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod real_files;
+mod resampling_oracle;
 mod retargeting;
 mod sizes;
 mod skinned_files;
@@ -56,3 +58,6 @@ mod thinned;
 mod usage;
 mod vrm;
 mod x3d_oracle;
+
+// The judges serve the tests of other crates too, which have it from elsewhere.
+use articula::flat::Picture;

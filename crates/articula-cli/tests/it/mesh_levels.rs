@@ -106,7 +106,13 @@ fn levels_that_are_too_coarse_are_left_out_and_told() {
 fn errors_are_told_relative_to_the_figure_whatever_the_unit_of_its_vertices() {
     let here = folder("mesh-levels-unit");
     // The scale is that of a node: the vertices stay in the unit of the file.
-    let scale = ["convert", word(short()), "big.glb", "--unit-metres", "100"];
+    let scale = [
+        "convert",
+        word(short()),
+        "big.glb",
+        "--read",
+        "unit-metres=100",
+    ];
     json(&here, &scale);
     for (targets, told) in [("100,50", 0), (FIVE, 1)] {
         let built = json(&here, &["build", "big.glb", "b.glb", "--targets", targets]);

@@ -84,7 +84,7 @@ fn face_clips_go_onto_a_head() {
     let names: Vec<&str> = clips.iter().map(|c| c["name"].as_str().unwrap()).collect();
     assert_eq!(names[2..], ["jaw", "speech"]);
     let said = articula(&here, &[&named[..], &["--force"]].concat()).out;
-    let later = [&named[..], &["--skip-first-frame"]].concat();
+    let later = [&named[..], &["--read", "first-frame=skip"]].concat();
     assert_eq!(json(&here, &later)["onto"]["faces"][0]["frames"], 249);
     let driven = format!("{moved} of 17 morph targets");
     assert!(said.contains(&driven), "{driven}: {said}");
@@ -227,7 +227,7 @@ fn what_a_mask_leaves_out_is_the_users_choice() {
     std::fs::write(here.join("a.fap"), text).unwrap();
     let least = |words: &[&str]| json(&here, words)["parameters"][0]["min"].clone();
     assert_eq!(least(&["inspect", "a.fap"]), 120);
-    assert_eq!(least(&["inspect", "a.fap", "--absent", "zero"]), 0);
+    assert_eq!(least(&["inspect", "a.fap", "--read", "absent=zero"]), 0);
 }
 
 #[test]

@@ -205,19 +205,9 @@ fn every_method_plays_and_parameters_reach_it() {
     let pc = |radians: &str| gain(&["--method", "pc", "--parameter", radians]);
     assert!(pc("1") > pc("0.01"));
     // Either key of a run is within the tolerance of all its frames.
-    let ahn = |key: &str| {
-        let words = [
-            "--method",
-            "ahn",
-            "--parameter",
-            "0.05",
-            "--cluster-key",
-            key,
-        ];
-        gain(&words)
-    };
-    assert!(ahn("middle") > 0.0 && ahn("least-sum") > 0.0);
-    assert!(gain(&["--variant", "hull", "--parameter", "0.02"]) > 0.0);
+    let ahn = |method: &str| gain(&["--method", method, "--parameter", "0.05"]);
+    assert!(ahn("ahn") > 0.0 && ahn("ahn-least-sum") > 0.0);
+    assert!(gain(&["--method", "skin-px-hull", "--parameter", "0.02"]) > 0.0);
     let thesis = |thr: &str| gain(&["--method", "thesis", "--thr-init", thr]);
     assert!(
         thesis("0.1") > thesis("0.0001"),
@@ -317,10 +307,11 @@ fn a_moving_camera_stays_within_the_bound() {
     let words = &words[..6];
     let played = |more: &[&str]| json(&here, &[words, more].concat());
     let saved = |more: &[&str]| number(&played(more)["rows"][0]["joint_update_gain"]);
-    let tables = played(&["--variant", "tables"]);
+    let tables = played(&["--method", "skin-px-tables"]);
     assert_eq!(tables["rows"][0]["variant"], "tables");
     assert!(
-        saved(&["--variant", "view"]) >= number(&report["rows"][0]["joint_update_gain"]) - 0.05
+        saved(&["--method", "skin-px-view"])
+            >= number(&report["rows"][0]["joint_update_gain"]) - 0.05
     );
     let thesis = played(&["--method", "thesis", "--thr-init", "0.02"]);
     assert!(thesis["camera_path"]["bound_px"].is_null());
@@ -330,8 +321,8 @@ fn a_moving_camera_stays_within_the_bound() {
         "thesis",
         "--thr-init",
         "0.02",
-        "--lookup-every",
-        "30",
+        "--thesis",
+        "lookup-every=30",
     ];
     assert_ne!(
         saved(&rarely),
@@ -341,7 +332,7 @@ fn a_moving_camera_stays_within_the_bound() {
     for words in [
         &["--method", "thesis", "--calibrate", "1"][..],
         &["--method", "loa", "--parameter", "9"],
-        &["--lookup-every", "0"],
+        &["--thesis", "lookup-every=0"],
     ] {
         let all = [
             &["lod", word(human()), "--camera-path", "p.json"][..],
@@ -391,7 +382,7 @@ fn a_schedule_of_levels_is_played_reported_and_drawn() {
         &here,
         &[
             &words[..],
-            &["--finest-level", "4", "--transition", "linear"],
+            &["--finest-level", "4", "--thesis", "transition=linear"],
         ]
         .concat(),
     );
@@ -467,7 +458,7 @@ fn a_saved_selection_is_the_level_that_was_played() {
         json(&here, &[&words[..], more].concat())
     };
     let expression = ["--loa", "loa(Low) + zone(hands)", "--with-ancestors"];
-    let played = lod(&[&expression[..], &["--save-loa-profile", "p.json"]].concat());
+    let played = lod(&[&expression[..], &["--write", "loa-profile=p.json"]].concat());
     assert_eq!(played["written"][0], "p.json");
     let again = lod(&["--loa-profile", "p.json"]);
     let figures = |report: &Value| {
@@ -484,12 +475,12 @@ fn a_saved_selection_is_the_level_that_was_played() {
     assert_eq!(active, convert(&expression));
     assert!(number(&active) > 40.0, "{active}");
     // No joint at all is a selection, too.
-    lod(&["--loa", "loa(None)", "--save-loa-profile", "none.json"]);
+    lod(&["--loa", "loa(None)", "--write", "loa-profile=none.json"]);
     let still = lod(&["--loa-profile", "none.json"]);
     assert_eq!(number(&still["rows"][0]["joint_update_gain"]), 1.0);
 
     for words in [
-        &["--save-loa-profile", "q.json"][..],
+        &["--write", "loa-profile=q.json"][..],
         &["--with-ancestors"],
         &["--loa", "loa(Low)", "--loa-profile", "p.json"],
     ] {

@@ -115,7 +115,7 @@ fn a_first_frame_of_another_pose_is_told_and_cut() {
     let words = ["convert", word(&walk), "o.glb", "--onto", word(&man)];
     let text = articula(&here, &words).out;
     assert!(
-        text.contains("RightArm jumps by 83 degrees; --skip-first-frame leaves it out"),
+        text.contains("RightArm jumps by 83 degrees; --read first-frame=skip leaves it out"),
         "{text}"
     );
     assert!(text.contains("look at it"), "{text}");
@@ -125,7 +125,7 @@ fn a_first_frame_of_another_pose_is_told_and_cut() {
     assert_eq!(whole["findings"][0]["kind"], "first_frame");
     let cut = clip(&json(
         &here,
-        &[&words[..], &["--skip-first-frame"]].concat(),
+        &[&words[..], &["--read", "first-frame=skip"]].concat(),
     ));
     assert_eq!(
         (&cut["good"], &cut["findings"]),
@@ -137,7 +137,13 @@ fn a_first_frame_of_another_pose_is_told_and_cut() {
         "one frame less"
     );
     // Without --onto too.
-    let plain = ["convert", word(&walk), "p.glb", "--skip-first-frame"];
+    let plain = [
+        "convert",
+        word(&walk),
+        "p.glb",
+        "--read",
+        "first-frame=skip",
+    ];
     json(&here, &plain);
     let kept = character(&here.join("p.glb")).clips[0].duration_secs;
     assert!((f64::from(kept) - secs(&cut)).abs() < 1e-4);

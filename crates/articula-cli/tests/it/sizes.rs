@@ -19,8 +19,8 @@ fn the_unit_can_be_given_for_every_format() {
     for name in ["a.glb", "a.x3d", "a.bvh", "a.asf", "a.bap"] {
         let ran = articula(&here, &["convert", word(human()), name, "--clip", "walk"]);
         assert_eq!(ran.status, 0, "{name}: {}", ran.err);
-        let own = height(&json(&here, &["inspect", name, "--unit-metres", "1"]));
-        let half = json(&here, &["inspect", name, "--unit-metres", "0.5"]);
+        let own = height(&json(&here, &["inspect", name, "--read", "unit-metres=1"]));
+        let half = json(&here, &["inspect", name, "--read", "unit-metres=0.5"]);
         assert!(
             (height(&half) / own - 0.5).abs() < 1e-3,
             "{name}: {own} {half}"
@@ -29,7 +29,13 @@ fn the_unit_can_be_given_for_every_format() {
     // A document keeps the size that it was given, and everything else.
     let big = json(
         &here,
-        &["convert", word(human()), "big.glb", "--unit-metres", "12"],
+        &[
+            "convert",
+            word(human()),
+            "big.glb",
+            "--read",
+            "unit-metres=12",
+        ],
     );
     assert_eq!(big["clips"].as_array().unwrap().len(), 3);
     let big = json(&here, &["inspect", "big.glb"]);
@@ -40,8 +46,8 @@ fn the_unit_can_be_given_for_every_format() {
             "convert",
             "big.glb",
             "back.glb",
-            "--unit-metres",
-            "0.083333333",
+            "--read",
+            "unit-metres=0.083333333",
         ],
     );
     let back = json(&here, &["inspect", "back.glb"]);
@@ -58,10 +64,8 @@ fn the_unit_can_be_given_for_every_format() {
 fn sizes_that_no_human_has_are_told_with_the_flag() {
     let here = folder("told-sizes");
     for (factor, is_odd) in [("0.12", true), ("0.5", false), ("1", false), ("12", true)] {
-        json(
-            &here,
-            &["convert", word(small()), "o.glb", "--unit-metres", factor],
-        );
+        let unit = format!("unit-metres={factor}");
+        json(&here, &["convert", word(small()), "o.glb", "--read", &unit]);
         for command in ["inspect", "crowd", "build"] {
             let words: &[&str] = match command {
                 "crowd" => &["crowd", "o.glb", "--count", "2", "--seconds", "0.1"],
@@ -76,7 +80,7 @@ fn sizes_that_no_human_has_are_told_with_the_flag() {
             );
         }
         let text = articula(&here, &["inspect", "o.glb"]).out;
-        assert_eq!(text.contains("--unit-metres"), is_odd, "{text}");
+        assert_eq!(text.contains("unit-metres="), is_odd, "{text}");
     }
 }
 
@@ -98,10 +102,8 @@ fn a_crowd_of_giants_is_as_exact_as_one_of_adults() {
         ["p95", "near_max", "worst_vertex"].map(|name| found["error_px"][name].as_f64().unwrap())
     };
     for factor in ["0.1", "1", "20"] {
-        json(
-            &here,
-            &["convert", word(small()), "o.glb", "--unit-metres", factor],
-        );
+        let unit = format!("unit-metres={factor}");
+        json(&here, &["convert", word(small()), "o.glb", "--read", &unit]);
         let [_, _, worst] = px("full");
         assert!(
             worst < 0.1,

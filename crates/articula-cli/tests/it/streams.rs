@@ -1,6 +1,6 @@
 //! Streams of bones and of facial animation parameters: `convert` and `inspect`.
 
-use crate::program::{fault, folder, json, word};
+use crate::program::{articula, fault, folder, json, word};
 use crate::real;
 use serde_json::Value;
 
@@ -36,7 +36,16 @@ fn a_motion_goes_through_abp1_and_its_text() {
         return;
     };
     let here = folder("abp1");
-    let written = json(&here, &["convert", word(&walk), "walk.abp", "--abp1"]);
+    let written = json(
+        &here,
+        &[
+            "convert",
+            word(&walk),
+            "walk.abp",
+            "--stream",
+            "profile=abp1",
+        ],
+    );
     assert_eq!(written["format_out"], "abp");
     let found = json(&here, &["inspect", "walk.abp"]);
     assert_eq!(found["articulation_stored"], true);
@@ -56,8 +65,21 @@ fn a_motion_goes_through_abp1_and_its_text() {
         assert_eq!(other["clips"][0]["frames"], found["clips"][0]["frames"]);
         assert_eq!(other["stream"], Value::Null);
     }
-    let why = fault(&here, 2, &["convert", word(&walk), "other.glb", "--abp1"]);
-    assert!(why.contains("requires an .abp or .mp4 output"), "{why}");
+    let why = fault(
+        &here,
+        2,
+        &[
+            "convert",
+            word(&walk),
+            "other.glb",
+            "--stream",
+            "profile=abp1",
+        ],
+    );
+    assert!(
+        why.contains("requires an .abp, .afp or .mp4 output"),
+        "{why}"
+    );
 }
 
 #[test]
@@ -67,14 +89,15 @@ fn a_motion_stream_comes_back_onto_its_character() {
     };
     let here = folder("abp2");
     let figure = word(&figure);
-    let options = ["--clip", "walk", "--tolerance-mm", "0.2", "--tiers", "3"];
+    let options = [
+        "--clip",
+        "walk",
+        "--stream",
+        "tolerance-mm=0.2,tiers=3,group-by=region",
+    ];
     let written = json(
         &here,
-        &[
-            &["convert", figure, "walk.abp", "--group-by", "region"][..],
-            &options,
-        ]
-        .concat(),
+        &[&["convert", figure, "walk.abp"][..], &options].concat(),
     );
     let tiers = written["tiers"].as_array().unwrap();
     assert_eq!(tiers.len(), 3);
@@ -101,10 +124,13 @@ fn a_motion_stream_comes_back_onto_its_character() {
         .iter()
         .map(|group| sum_of(&group["bytes"]))
         .sum();
-    let frames = found["access_units"].as_f64().unwrap() * 5.0;
+    let of = found["access_units"]["of"].as_f64().unwrap();
+    assert_eq!(found["access_units"]["whole"], found["access_units"]["of"]);
+    // Each access unit has a length of four bytes.
+    let lengths = of * 4.0;
     let bytes = found["bytes"].as_f64().unwrap();
     assert_eq!(
-        units + frames + found["bytes_head"].as_f64().unwrap(),
+        units + lengths + found["bytes_head"].as_f64().unwrap(),
         bytes
     );
     for layer in layers["groups"].as_array().unwrap() {
@@ -146,19 +172,134 @@ fn a_motion_stream_needs_its_character() {
     let why = fault(
         &here,
         2,
-        &["convert", word(&figure), "out.glb", "--tiers", "3"],
+        &["convert", word(&figure), "out.glb", "--stream", "tiers=3"],
     );
     assert!(
-        why.contains("--tiers requires an .abp or .mp4 output"),
+        why.contains("--stream requires an .abp, .afp or .mp4 output"),
         "{why}"
     );
-    std::fs::write(
-        here.join("torn.abp"),
-        &std::fs::read(here.join("walk.abp")).unwrap()[..500],
-    )
-    .unwrap();
+    let walk = std::fs::read(here.join("walk.abp")).unwrap();
+    std::fs::write(here.join("torn.abp"), &walk[..100]).unwrap();
     let why = fault(&here, 1, &["inspect", "torn.abp"]);
     assert!(why.contains("torn.abp") && why.contains("byte"), "{why}");
+    let mut flipped = walk;
+    let last = flipped.len() - 1;
+    flipped[last] ^= 0x10;
+    std::fs::write(here.join("flipped.abp"), flipped).unwrap();
+    for words in [
+        &["inspect", "flipped.abp"][..],
+        &["convert", "flipped.abp", "out.glb", "--onto", word(&figure)],
+    ] {
+        let why = fault(&here, 1, words);
+        assert!(why.contains("flipped.abp: byte"), "{why}");
+        assert!(why.contains("the checksum of unit"), "{why}");
+    }
+}
+
+#[test]
+fn a_stream_that_ends_early_is_partial() {
+    let (Some(figure), Some(talk)) = (
+        real::file("glb/pab_arnaud.glb"),
+        real::file("fap/speech_synthetic.fap"),
+    ) else {
+        return;
+    };
+    let here = folder("partial");
+    let figure = word(&figure);
+    json(&here, &["convert", figure, "a.abp", "--clip", "walk"]);
+    json(&here, &["convert", word(&talk), "a.afp"]);
+    for (whole, part, out, onto) in [
+        ("a.abp", "b.abp", "b.glb", &["--onto", figure][..]),
+        ("a.afp", "b.afp", "b.fap", &[]),
+    ] {
+        let bytes = std::fs::read(here.join(whole)).unwrap();
+        std::fs::write(here.join(part), &bytes[..bytes.len() * 3 / 4]).unwrap();
+        let count = |file: &str| {
+            let found = json(&here, &["inspect", file]);
+            let stream = if onto.is_empty() {
+                &found["stream"]
+            } else {
+                &found
+            };
+            let count = |name: &str| stream["access_units"][name].as_u64().unwrap();
+            (count("whole"), count("of"))
+        };
+        let (arrived, of) = count(part);
+        assert!(0 < arrived && arrived < of, "{arrived} of {of}");
+        assert_eq!(count(whole), (of, of));
+        let told = format!("partial: {arrived} of {of} access units");
+        let converted = json(&here, &[&["convert", part, out], onto].concat());
+        let warnings = converted["warnings"].to_string();
+        assert!(warnings.contains(&told), "{warnings}");
+        let shown = articula(&here, &["inspect", part]).out;
+        assert!(shown.contains(&told), "{shown}");
+        let shown = articula(&here, &["inspect", whole]).out;
+        assert!(!shown.contains("partial"), "{shown}");
+    }
+    // A stream without its finer tiers has all access units.
+    json(
+        &here,
+        &["convert", figure, "c.abp", "--clip", "walk", "--tiers", "1"],
+    );
+    let found = json(&here, &["inspect", "c.abp"]);
+    assert_eq!(found["access_units"]["whole"], found["access_units"]["of"]);
+}
+
+#[test]
+fn a_stream_that_carries_the_skeleton_opens_without_its_character() {
+    let (Some(figure), Some(other)) = (
+        real::file("glb/pab_arnaud.glb"),
+        real::file("glb/CesiumMan.glb"),
+    ) else {
+        return;
+    };
+    let here = folder("abp2-skeleton");
+    let figure = word(&figure);
+    let clip = ["--clip", "walk"];
+    json(
+        &here,
+        &[&["convert", figure, "bare.abp"][..], &clip].concat(),
+    );
+    let with = [
+        &["convert", figure, "own.abp", "--stream", "skeleton=yes"][..],
+        &clip,
+    ]
+    .concat();
+    json(&here, &with);
+    let carries = |file: &str| json(&here, &["inspect", file])["skeleton"].clone();
+    assert_eq!(
+        (carries("bare.abp"), carries("own.abp")),
+        (false.into(), true.into())
+    );
+    json(&here, &["convert", "own.abp", "own.glb"]);
+    json(&here, &["convert", "own.abp", "own.bvh"]);
+    json(
+        &here,
+        &["convert", "bare.abp", "onto.glb", "--onto", figure],
+    );
+    let [own, onto] = ["own.glb", "onto.glb"].map(|file| json(&here, &["inspect", file]));
+    assert_eq!(own["clips"][0]["frames"], onto["clips"][0]["frames"]);
+    assert_eq!(
+        own["skeletons"][0]["joints"],
+        onto["skeletons"][0]["joints"]
+    );
+    // Onto another figure it is a motion like any other; onto its own the joints are the same.
+    let fitted = json(
+        &here,
+        &["convert", "own.abp", "other.glb", "--onto", word(&other)],
+    );
+    assert_eq!(fitted["onto"]["motions"][0]["by_name"], false);
+    let same = json(&here, &["convert", "own.abp", "same.glb", "--onto", figure]);
+    assert_eq!(same["onto"]["motions"][0]["by_name"], true);
+    let why = fault(
+        &here,
+        2,
+        &["convert", figure, "a.glb", "--stream", "skeleton=yes"],
+    );
+    assert!(
+        why.contains("--stream requires an .abp, .afp or .mp4 output, not .glb"),
+        "{why}"
+    );
 }
 
 #[test]
@@ -199,7 +340,10 @@ fn a_face_clip_goes_through_afp1() {
     };
     let here = folder("afp1");
     let talk = word(&talk);
-    json(&here, &["convert", talk, "talk.afp", "--afp1"]);
+    json(
+        &here,
+        &["convert", talk, "talk.afp", "--stream", "profile=afp1"],
+    );
     let found = json(&here, &["inspect", "talk.afp"]);
     assert_eq!(found["stream"]["profile"], "AFP-1");
     check_shares(&found);
@@ -209,7 +353,8 @@ fn a_face_clip_goes_through_afp1() {
             "convert",
             "talk.afp",
             "low.afp",
-            "--afp1",
+            "--stream",
+            "profile=afp1",
             "--face-level",
             "low",
         ],
@@ -253,8 +398,8 @@ fn a_face_clip_goes_through_afp2() {
             "low.afp",
             "--face-level",
             "low",
-            "--tiers",
-            "1",
+            "--stream",
+            "tiers=1",
         ],
     );
     assert_eq!(low["tiers"].as_array().unwrap().len(), 1);
@@ -266,9 +411,18 @@ fn a_face_clip_goes_through_afp2() {
     json(&here, &["convert", "talk.afp", "shapes.csv"]);
     json(
         &here,
-        &["convert", "shapes.csv", "shapes.afp", "--by-value"],
+        &[
+            "convert",
+            "shapes.csv",
+            "shapes.afp",
+            "--stream",
+            "order=value",
+        ],
     );
-    for (flag, out) in [("--group-by=joint", "a.afp"), ("--tiers=2", "a.fap")] {
+    for (flag, out) in [
+        ("--stream=group-by=joint", "a.afp"),
+        ("--stream=tiers=2", "a.fap"),
+    ] {
         let why = fault(&here, 2, &["convert", "talk.afp", out, flag]);
         assert!(why.contains("requires an"), "{why}");
     }

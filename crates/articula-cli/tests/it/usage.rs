@@ -1,6 +1,6 @@
 //! The command line itself: exit statuses, help, and one line for every error.
 
-use crate::program::{articula, fault, folder, human, json, word};
+use crate::program::{BVH, articula, fault, folder, human, json, word};
 
 #[test]
 fn help_is_no_error_and_wrong_words_are_usage() {
@@ -37,8 +37,15 @@ fn help_is_no_error_and_wrong_words_are_usage() {
             "--finest-level",
             "7",
         ],
-        &["lod", "a.glb", "--schedule", "s.json", "--variant", "view"],
-        &["inspect", "a.bvh", "--unit-metres", "0"],
+        &[
+            "lod",
+            "a.glb",
+            "--schedule",
+            "s.json",
+            "--method",
+            "skin-px-view",
+        ],
+        &["inspect", "a.bvh", "--read", "unit-metres=0"],
         &["build", "a.glb", "b.glb", "--levels", "0"],
         &[
             "build",
@@ -91,6 +98,115 @@ fn every_shell_gets_completions_that_name_the_commands() {
 }
 
 #[test]
+fn options_may_stand_between_files() {
+    let here = folder("between");
+    std::fs::write(here.join("a.bvh"), BVH).unwrap();
+    let unit = ["--read", "unit-metres=0.01"];
+    json(
+        &here,
+        &[&["convert", "a.bvh"], &unit[..], &["o.glb"]].concat(),
+    );
+    json(&here, &[&["convert", "a.bvh", "p.glb"], &unit[..]].concat());
+    let read = |name: &str| std::fs::read(here.join(name)).unwrap();
+    assert_eq!(read("o.glb"), read("p.glb"));
+    // The words are understood if what is missed is the file.
+    let cases: &[&[&str]] = &[
+        &[
+            "convert", "gone.bvh", "--onto", "gone.glb", "o.glb", "--force",
+        ],
+        &[
+            "convert", "gone.bvh", "--trim", "..1", "gone.glb", "--to", "glb", "out/",
+        ],
+        &["convert", "gone.bvh", "--loop", "q.glb"],
+        &[
+            "build", "gone.glb", "--seed", "2", "gone.bvh", "--levels", "2", "q.glb",
+        ],
+        &["flatten", "gone.glb", "--triangles", "9", "q.svg"],
+        &["flatten", "frame", "gone.svg", "--at", "1", "q.png"],
+        &["flatten", "movie", "gone.svg", "--fps", "9", "q.gif"],
+        &["package", "gone.glb", "--no-2d", "item"],
+        &["gbsd", "gone.abp", "--out", "q.xml"],
+        &["demo", "gone.glb", "--out", "d", "gone.bvh"],
+        &["inspect", "--map", "gone.glb"],
+        &["lod", "--seed", "2", "gone.glb"],
+        &["crowd", "--seed", "2", "gone.glb"],
+    ];
+    for words in cases {
+        let line = fault(&here, 1, words);
+        assert!(line.contains("gone."), "{words:?}: {line}");
+    }
+    let line = fault(&here, 2, &["adapt", "gone", "--max-bytes", "9", "out"]);
+    assert!(line.contains("no digital item"), "{line}");
+}
+
+#[test]
+fn wrong_settings_name_the_flag_and_what_is_allowed() {
+    let here = folder("settings");
+    let cases: &[(&[&str], &str, &str)] = &[
+        (&["inspect", "a.bvh", "--read", "up=x"], "--read", "y or z"),
+        (
+            &["inspect", "a.bvh", "--read", "size=1"],
+            "--read",
+            "unit-metres, up",
+        ),
+        (
+            &["inspect", "a.bvh", "--write", "map=a.json"],
+            "--write",
+            "joint-map, face-points",
+        ),
+        (
+            &["lod", "a.glb", "--thesis", "curve=round"],
+            "--thesis",
+            "literal or fixed",
+        ),
+        (
+            &["lod", "a.glb", "--write", "plot=a.svg"],
+            "--write",
+            "loa-profile, fap",
+        ),
+        (
+            &["convert", "a.glb", "a.abp", "--stream", "tiers=9"],
+            "--stream",
+            "from 1 to 8",
+        ),
+        (
+            &["convert", "a.glb", "b.glb", "--root-motion", "away"],
+            "--root-motion",
+            "in-place",
+        ),
+        (
+            &["flatten", "a.glb", "a.svg", "--quality", "colour=0"],
+            "--quality",
+            "above 0",
+        ),
+        (
+            &["adapt", "item", "--limit", "face-loa=4"],
+            "--limit",
+            "0 (very low) to 3 (high)",
+        ),
+    ];
+    for (words, flag, allowed) in cases {
+        let ran = articula(&here, words);
+        assert_eq!(ran.status, 2, "{words:?}");
+        let found = words[words.len() - 1];
+        let line = ran.err.lines().next().unwrap_or_default();
+        let has = |what: &&str| line.contains(what);
+        assert!(
+            [*flag, found, *allowed].iter().all(has),
+            "{words:?}: {line}"
+        );
+    }
+}
+
+#[test]
+fn the_version_is_that_of_the_program() {
+    let here = folder("version");
+    let ran = articula(&here, &["--version"]);
+    assert_eq!(ran.out, format!("articula {}\n", env!("CARGO_PKG_VERSION")));
+    assert_eq!(articula(&here, &["build", "--version"]).status, 2);
+}
+
+#[test]
 fn wrong_usage_says_what_would_be_right() {
     let here = folder("wrong");
     let human = word(human());
@@ -124,17 +240,22 @@ fn wrong_usage_says_what_would_be_right() {
             "--calibrate",
         ),
         (
-            &["lod", human, "--method", "thesis", "--variant", "view"],
+            &["lod", human, "--method", "thesis", "--protect-contacts"],
             "skin-px",
         ),
+        (&["lod", human, "--write", "fap=a.fap"], "--onto HEAD"),
         (
-            &["lod", human, "--cluster-key", "least-sum"],
-            "--method ahn",
+            &["convert", human, "a.glb", "--mesh-level", "2px"],
+            "--mesh-distance",
         ),
+        (&["convert", human], "IN OUT"),
         (&["lod", human, "--passive", "rest"], "--loa"),
         (&["lod", human, "--plot", "a.png"], ".svg"),
         (&["lod", human, "--contact-sheet", "a.jpg"], ".png"),
-        (&["lod", human, "--d-min", "9", "--d-max", "9"], "nearer"),
+        (
+            &["lod", human, "--thesis", "d-min=9", "--d-max", "9"],
+            "nearer",
+        ),
         (
             &["lod", human, "--method", "skip-hold", "--parameter", "2.5"],
             "whole number",

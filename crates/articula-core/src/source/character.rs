@@ -3,7 +3,19 @@
 use super::{Credits, Expression, Property, RawClip, RawMesh, Skeleton};
 use crate::articulation::Articulation;
 use crate::level_table::LevelTable;
-use glam::Vec4;
+use glam::{Vec3, Vec4};
+
+/// Continuation of a texture beyond its edges, along one axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum TextureWrap {
+    /// It repeats.
+    #[default]
+    Repeat,
+    /// It repeats, every second time mirrored.
+    Mirror,
+    /// The texels of its edge go on.
+    Clamp,
+}
 
 /// The appearance of a surface, reduced to the parameters that a preview needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,8 +26,22 @@ pub struct Material {
     pub base_color: Vec4,
     /// Index of the base colour texture in [`Character::images`]; its colours are sRGB.
     pub base_color_image: Option<usize>,
+    /// Continuation of the base colour texture along u and v.
+    pub base_color_wrap: [TextureWrap; 2],
     /// Alpha below which fragments are discarded; 0 draws all of them.
     pub alpha_cutoff: f32,
+    /// Whether the surface is mixed with what is behind it, by its alpha. Where no mixture is drawn,
+    /// [`Self::alpha_cutoff`] decides.
+    pub blends: bool,
+    /// Light that the surface itself gives off, linear RGB; may exceed 1.
+    pub emissive: Vec3,
+    /// Index of the texture that is multiplied with [`Self::emissive`] in [`Character::images`]; its
+    /// colours are sRGB, and it has the coordinates of the base colour texture.
+    pub emissive_image: Option<usize>,
+    /// Continuation of the emissive texture along u and v.
+    pub emissive_wrap: [TextureWrap; 2],
+    /// Whether the surface shows its base colour, whatever light falls on it.
+    pub unlit: bool,
     /// Whether back faces are drawn too.
     pub double_sided: bool,
 }
@@ -26,7 +52,13 @@ impl Default for Material {
             name: String::new(),
             base_color: Vec4::ONE,
             base_color_image: None,
+            base_color_wrap: [TextureWrap::default(); 2],
             alpha_cutoff: 0.0,
+            blends: false,
+            emissive: Vec3::ZERO,
+            emissive_image: None,
+            emissive_wrap: [TextureWrap::default(); 2],
+            unlit: false,
             double_sided: false,
         }
     }

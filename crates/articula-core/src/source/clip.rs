@@ -35,6 +35,10 @@ pub enum Interpolation {
     CubicSpline,
 }
 
+/// Duration in seconds of the move that stands for a jump, a change from one value to another at once:
+/// key times increase strictly, so the first of two keys at one time is kept this much earlier.
+pub const JUMP_SECS: f32 = 1e-4;
+
 /// The keys of one property of one target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
@@ -52,6 +56,30 @@ pub struct Channel {
     pub values: Vec<f32>,
 }
 
+impl Channel {
+    /// Returns the times at which the value changes at once: those of the keys of a step channel that
+    /// differ from the key before, and of other channels that of the later one of two different keys
+    /// that are [`JUMP_SECS`] apart or less.
+    pub fn jump_times(&self) -> impl Iterator<Item = f32> + '_ {
+        let parts = match self.interpolation {
+            Interpolation::CubicSpline => 3,
+            _ => 1,
+        };
+        let width = self.values.len() / (parts * self.times_secs.len()).max(1);
+        // The value of a spline's key is the middle one of three parts.
+        let value = move |key: usize| {
+            let first = (key * parts + parts / 2) * width;
+            self.values.get(first..first + width)
+        };
+        let is_step = self.interpolation == Interpolation::Step;
+        let pairs = self.times_secs.windows(2).enumerate();
+        // Times are rounded, after minutes by a third of the duration.
+        let near = pairs.filter(move |(_, t)| is_step || t[1] - t[0] <= 1.5 * JUMP_SECS);
+        let jumps = near.filter(move |(key, _)| value(*key) != value(*key + 1));
+        jumps.map(|(_, times)| times[1])
+    }
+}
+
 /// A keyed animation clip over `0..=duration_secs`; a channel holds its first key before the time
 /// of that key.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -62,4 +90,26 @@ pub struct RawClip {
     pub duration_secs: f32,
     /// The channels; at most one for each (target, property).
     pub channels: Vec<Channel>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_change_at_once_at_steps_and_between_near_keys() {
+        let mut channel = Channel {
+            target: 0,
+            property: Property::Expression,
+            interpolation: Interpolation::Step,
+            times_secs: vec![0.0, 1.0, 2.0, 3.0 - JUMP_SECS, 3.0],
+            values: vec![0.5, 0.5, 0.25, 0.25, 1.0],
+        };
+        let jumps = |c: &Channel| c.jump_times().collect::<Vec<f32>>();
+        assert_eq!(jumps(&channel), [2.0, 3.0]);
+        channel.interpolation = Interpolation::Linear;
+        assert_eq!(jumps(&channel), [3.0]);
+        channel.values[3] = 1.0;
+        assert!(jumps(&channel).is_empty());
+    }
 }

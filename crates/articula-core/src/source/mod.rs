@@ -12,8 +12,8 @@ mod expression;
 mod mesh;
 mod skeleton;
 
-pub use character::{Character, Image, Material};
-pub use clip::{Channel, Interpolation, Property, RawClip};
+pub use character::{Character, Image, Material, TextureWrap};
+pub use clip::{Channel, Interpolation, JUMP_SECS, Property, RawClip};
 pub use credits::Credits;
 pub use expression::{Expression, JointBinding, Mask, MaskKind, MorphBinding};
 pub use mesh::{MorphTarget, Primitive, RawMesh, RawMeshLevel, Skin, renumber_influences};

@@ -145,6 +145,8 @@ pub fn bake_shapes(
 struct SourceVertex {
     vertex: u32,
     is_back: bool,
+    /// Bits of the share of its colour that does not depend on the light.
+    own_light: u32,
 }
 
 /// The parts of the clip that are constant over time.
@@ -194,14 +196,18 @@ fn still_parts(
             if is_back && !material.double_sided {
                 continue;
             }
+            let own_light = painter.own_light(triangle).to_bits();
             let mut corners = triangle.map(|vertex| {
-                *index
-                    .entry(SourceVertex { vertex, is_back })
-                    .or_insert_with(|| {
-                        sources.push(SourceVertex { vertex, is_back });
-                        clip.albedo.push(colors[&vertex]);
-                        sources.len() as u32 - 1
-                    })
+                let source = SourceVertex {
+                    vertex,
+                    is_back,
+                    own_light,
+                };
+                *index.entry(source).or_insert_with(|| {
+                    sources.push(source);
+                    clip.albedo.push(colors[&vertex]);
+                    sources.len() as u32 - 1
+                })
             });
             if is_back {
                 corners.swap(1, 2);
@@ -219,6 +225,8 @@ pub(super) struct Painter<'a> {
     subject: PlanarSubject<'a>,
     part_of: Vec<usize>,
     materials: Vec<Material>,
+    /// Share of each one's colour that does not depend on the light.
+    own_light: Vec<f32>,
 }
 
 impl<'a> Painter<'a> {
@@ -239,6 +247,7 @@ impl<'a> Painter<'a> {
             materials.push(Material::default());
         }
         Self {
+            own_light: materials.iter().map(|m| appearance.own_light(m)).collect(),
             subject: *subject,
             part_of,
             materials,
@@ -279,7 +288,7 @@ impl<'a> Painter<'a> {
             let color = |v| appearance.at_vertex(&self.subject, v as u32).to_array();
             let mut colors = vertices.map(|v| color(v).map(|level| level as u8));
             let first = colors.next().unwrap_or([255; 3]);
-            let is_plain = appearance.texture.is_none();
+            let is_plain = appearance.texture.is_none() && !appearance.emission.has_texture();
             PlanarMaterial {
                 name: material.name.clone(),
                 albedo: (is_plain && colors.all(|c| c == first)).then_some(first),
@@ -293,21 +302,23 @@ impl<'a> Painter<'a> {
         SurfaceColor {
             material,
             texture: self.subject.appearance.texture_of(material),
+            emission: self.subject.appearance.emission_of(material),
         }
+    }
+
+    /// Share of a triangle's colour that does not depend on the light.
+    pub(super) fn own_light(&self, triangle: &[u32; 3]) -> f32 {
+        self.own_light[self.part_of[triangle[0] as usize]]
     }
 
     /// Whether a triangle of a cut-out material is transparent at its corners and its centroid.
     fn is_cut_away(&self, triangle: &[u32; 3], material: &Material) -> bool {
-        let Some(texture) = self.subject.appearance.texture_of(material) else {
-            return false;
-        };
-        let uv = triangle.map(|v| self.subject.mesh.texcoords[v as usize]);
-        let middle = (uv[0] + uv[1] + uv[2]) / 3.0;
-        let alpha = |at| material.base_color.w * texture.sample(at, 0).w;
+        let places = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::splat(1.0 / 3.0)];
+        let opacity = |weights| self.color(triangle, weights, 0).1;
         material.alpha_cutoff > 0.0
-            && [uv[0], uv[1], uv[2], middle]
+            && places
                 .into_iter()
-                .all(|at| alpha(at) < material.alpha_cutoff)
+                .all(|place| opacity(place) < material.alpha_cutoff)
     }
 
     /// Joint with the greatest summed skin weight of a triangle.
@@ -401,10 +412,16 @@ fn project(
         }
         out.xy.push(glam::Vec2::new(corner.x, corner.y) / corner.w);
         out.nearness.push(corner.z / corner.w);
+        let light = vertex_light(&lighting, normal.dot(toward), source.is_back);
         out.light
-            .push(vertex_light(&lighting, normal.dot(toward), source.is_back));
+            .push(with_own(light, f32::from_bits(source.own_light)));
     }
     Ok(out)
+}
+
+/// The light by which a colour is multiplied of which a share does not depend on it.
+pub(super) fn with_own(light: f32, share: f32) -> f32 {
+    share + (1.0 - share) * light
 }
 
 /// Light on a vertex, 0 to 1, from the cosine between its normal and the direction to the light.

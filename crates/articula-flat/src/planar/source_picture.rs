@@ -5,7 +5,7 @@
 //! sRGB levels as in [`super::bake()`], so that the lamp is no difference. Textures are sampled for
 //! each sample of a pixel and averaged in sRGB.
 
-use super::bake::{BakeOptions, Painter, Poser, vertex_light};
+use super::bake::{BakeOptions, Painter, Poser, vertex_light, with_own};
 use super::error::PlanarError;
 use super::shading::Shading;
 use super::stage::faces;
@@ -181,6 +181,8 @@ impl<'a> SourcePainter<'a> {
         let is_back = self.faces[triangle] == Faces::Both && shows_back(&corners);
         let of = |v: usize| vertex_light(&self.options.lighting, self.light[v], is_back);
         let light = Vec3::from(vertices.map(of)).dot(weights);
+        let own = self.painter.own_light(&self.subject.triangles[triangle]);
+        let light = with_own(light, own);
         color(triangle, weights) * light
     }
 

@@ -1,6 +1,6 @@
 //! Cuts intersecting triangles, so that a correct painting order exists.
 //!
-//! Source: `docs/methods/vector.md` 4, `--split`. If two triangles cover each other in both
+//! Source: `docs/methods/vector.md` 4, `--quality split`. If two triangles cover each other in both
 //! directions in one frame, no order is correct. One of them is cut where both are equally near, in
 //! the frame in which most samples are affected. Its neighbours are cut at the same points, so no
 //! crack opens.

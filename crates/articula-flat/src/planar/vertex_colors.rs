@@ -6,7 +6,7 @@
 //! A colour never leaves the range of the samples around its vertex, so hard edges do not ring.
 
 use super::subject::PlanarSubject;
-use crate::appearance::Texture;
+use crate::appearance::{Emission, WrappedTexture};
 use crate::picture::srgb_byte;
 use articula_core::source::Material;
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
@@ -19,19 +19,22 @@ const PULL: f32 = 0.02;
 /// Rounds of the solver; each reduces the distance to the solution to less than a third.
 const ROUNDS: usize = 24;
 
-/// Material, texture and texture coordinates of a triangle's surface.
+/// Material, texture and emission of a triangle's surface.
 pub(super) struct SurfaceColor<'a> {
     pub(super) material: &'a Material,
-    pub(super) texture: Option<&'a Texture>,
+    pub(super) texture: Option<WrappedTexture<'a>>,
+    pub(super) emission: Emission<'a>,
 }
 
 impl SurfaceColor<'_> {
-    /// sRGB levels and opacity at a texture coordinate, without light.
+    /// sRGB levels and opacity at a texture coordinate, without light: base colour and emission, of
+    /// which the share that is not lit is [`Appearance::own_light`](crate::Appearance::own_light).
     pub(super) fn color(&self, vertex_color: Vec4, at: Vec2, level: usize) -> (Vec3, f32) {
         let mut color = self.material.base_color * vertex_color;
         if let Some(texture) = self.texture {
             color *= texture.sample(at, level);
         }
+        let color = color + self.emission.at(at, level).extend(0.0);
         let levels = color.xyz().to_array().map(|c| f32::from(srgb_byte(c)));
         (Vec3::from(levels), color.w)
     }
@@ -215,14 +218,25 @@ fn samples() -> impl Iterator<Item = [f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appearance::Appearance;
     use crate::picture::Picture;
     use crate::planar::fixture::figure;
+    use articula_core::source::Image;
 
     /// Red of 0 in the left half and of 200 in the right.
-    fn half_black(width: u32) -> Texture {
+    fn half_black(width: u32) -> Appearance {
         let level = |x: u32| if x < width / 2 { 0 } else { 200 };
         let pixels = (0..width * width).map(|i| [level(i % width), 50, 50, 255]);
-        Texture::new(Picture::from_pixels(width, width, pixels.collect()).unwrap())
+        let picture = Picture::from_pixels(width, width, pixels.collect()).unwrap();
+        let image = Image {
+            bytes: picture.to_png().unwrap(),
+            ..Image::default()
+        };
+        let material = Material {
+            base_color_image: Some(0),
+            ..Material::default()
+        };
+        Appearance::new(&[material], &[image]).0
     }
 
     #[test]
@@ -264,11 +278,13 @@ mod tests {
         for (at, place) in mesh.texcoords.iter_mut().zip(&mesh.positions) {
             *at = Vec2::new(place.x, place.y) * 3.0;
         }
-        let (texture, material) = (half_black(16), Material::default());
+        let look = half_black(16);
+        let material = &look.materials[0];
         let subject = figure.subject();
         let appearance = || SurfaceColor {
-            material: &material,
-            texture: Some(&texture),
+            material,
+            texture: look.texture_of(material),
+            emission: look.emission_of(material),
         };
         let found = fitted(&subject, |_| appearance());
         let fit = error(&subject, &appearance(), |v| Vec3::from(found[&v]));
@@ -286,10 +302,11 @@ mod tests {
     fn without_a_texture_a_vertex_keeps_its_colour() {
         let figure = figure();
         let subject = figure.subject();
-        let material = Material::default();
+        let (look, material) = (Appearance::default(), Material::default());
         let appearance = || SurfaceColor {
             material: &material,
             texture: None,
+            emission: look.emission_of(&material),
         };
         for (vertex, color) in fitted(&subject, |_| appearance()) {
             let expected = appearance().at_vertex(&subject, vertex);

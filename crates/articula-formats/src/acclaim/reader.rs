@@ -3,18 +3,27 @@
 use super::amc::{self, Bones, MotionText};
 use super::asf::{self, Dof, SkeletonText, turned};
 use super::hierarchy::{self, Hierarchy};
+use crate::capture_text::capture_text;
 use crate::error::{Assumption, Parsed, ReadError, Warning};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
 use crate::units::{self, Size};
-use crate::words::FRAME_TIMES_SECS;
+use crate::words::{FRAME_TIMES_SECS, odd_frame_time};
 use articula_core::source::{self, Character, Interpolation, Joint, Property, RawClip, Skeleton};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// Frames per second of the CMU and most other motions.
 const USUAL_RATE_HZ: f32 = 120.0;
+
+/// Adds the kind of file to the position of a warning.
+fn of_file(kind: &str, warning: Warning) -> Warning {
+    Warning {
+        at: format!("{kind} {}", warning.at),
+        ..warning
+    }
+}
 
 /// Reads a skeleton file and, optionally, a motion file. The result has a joint for the root and
 /// for the start of every bone, whose rest orientation is the bone's axis. Rotations are keyed for
@@ -32,20 +41,23 @@ pub fn read(
     let length = asf.len().max(amc.map_or(0, <[u8]>::len));
     Limits::check("file", "bytes", length as u64, limits.bytes)?;
     let mut notes = Notes::default();
-    let text = String::from_utf8_lossy(asf);
-    let text = asf::parse(text.trim_start_matches('\u{feff}'), limits, &mut notes)?;
+    let text = capture_text(asf, |odd| notes.push(of_file("asf", odd)));
+    let text = asf::parse(&text, limits, &mut notes)?;
     let tree = hierarchy::build(&text, limits, &mut notes)?;
     let mut motion = MotionText::default();
     if let Some(amc) = amc {
-        let amc = String::from_utf8_lossy(amc);
+        let amc = capture_text(amc, |odd| notes.push(of_file("amc", odd)));
         let bones = Bones {
             text: &text,
             tree: &tree,
         };
-        let amc = amc.trim_start_matches('\u{feff}');
-        motion = amc::parse(amc, bones, limits, &mut notes)?;
+        motion = amc::parse(&amc, bones, limits, &mut notes)?;
     }
     let rate_hz = rate_hz(options, &motion, &mut notes)?;
+    let odd = odd_frame_time(rate_hz.recip()).filter(|_| motion.frames > 1);
+    if let Some(what) = odd {
+        notes.add("amc", what);
+    }
     let figure = Figure::new(text, tree, motion, rate_hz);
     if figure.stretches() {
         let what = "changing lengths of bones (the degree of freedom \"l\") are left out";

@@ -1,11 +1,13 @@
 //! Conversion of the text of a BVA file to unconnected joints in world space.
 
+use crate::capture_text::capture_text;
+use crate::damage::{Damage, hold};
 use crate::error::{Parsed, ReadError};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
-use crate::units::{self, UpAxis};
-use crate::words::{MAX_FRAMES, frame_time, number, shortened, value_of};
+use crate::units::{self, MAX_NUMBER, UpAxis};
+use crate::words::{MAX_FRAMES, frame_time, odd_frame_time, shortened, value_of};
 use articula_core::source::{Channel, Character, Interpolation, Joint, Property, RawClip};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
@@ -44,14 +46,13 @@ pub fn read(
     limits: &Limits,
 ) -> Result<Parsed<MotionFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
-    let text = String::from_utf8_lossy(bytes);
-    let text = text.trim_start_matches('\u{feff}');
     let mut notes = Notes::default();
+    let text = capture_text(bytes, |odd| notes.push(odd));
     let given = options.scale_to_metres;
     if given.is_some() {
         units::scale_to_metres(given, || (1.0, None), &mut Vec::new())?;
     }
-    let file = parse(text, given, limits, &mut notes)?;
+    let file = parse(&text, given, limits, &mut notes)?;
     let turn = match options.up {
         UpAxis::Z => units::y_from_z(),
         UpAxis::Y | UpAxis::Auto => Quat::IDENTITY,
@@ -153,14 +154,21 @@ fn parse(
         let declared = value_of(at(count_line), count, "frames")?;
         file.time(&mut lines, notes)?;
         let columns = columns(&mut lines, scale, notes)?;
-        let mut frames = Vec::new();
+        let mut rows = Rows {
+            columns: &columns,
+            values: Vec::new(),
+            damage: Damage::default(),
+            all: 0,
+            gap: 0,
+        };
         while let Some((line, text)) = lines.numbers() {
             values += columns.len() as u64;
             Limits::check(at(line), "key values", values, limits.elements)?;
-            frames.push(frame(line, text, &columns)?);
+            rows.read(line, text);
             let most = limits.frames.min(MAX_FRAMES);
-            Limits::check(at(line), "frames", frames.len() as u64, most)?;
+            Limits::check(at(line), "frames", rows.all as u64, most)?;
         }
+        let frames = rows.frames(notes)?;
         if declared.parse::<usize>().ok() != Some(frames.len()) {
             let (found, declared) = (frames.len(), shortened(declared));
             let what =
@@ -286,20 +294,59 @@ fn unit(line: usize, drives: Drives, word: Option<&str>) -> Result<Option<f32>, 
     })
 }
 
-/// Parses a frame: translation, then rotations in the order Z X Y, then scale.
-fn frame(line: usize, text: &str, columns: &[Column]) -> Result<Transform, ReadError> {
-    let found = text.split_whitespace().count();
-    if found != columns.len() {
-        let what = format!(
-            "{found} values found, {} expected (one for each channel)",
-            columns.len()
-        );
-        return Err(ReadError::malformed(at(line), what));
+/// Reads the rows of a segment; a damaged one between others holds the one before, so that the times
+/// of the later ones stay.
+struct Rows<'a> {
+    columns: &'a [Column],
+    values: Vec<f32>,
+    damage: Damage,
+    all: usize,
+    /// Number of damaged rows after the last frame.
+    gap: usize,
+}
+
+impl Rows<'_> {
+    fn read(&mut self, line: usize, text: &str) {
+        self.all += 1;
+        let start = self.values.len();
+        let width = self.columns.len();
+        let found = text.split_whitespace().count();
+        let read = if found == width {
+            let words = text.split_whitespace();
+            self.damage
+                .values(|_| at(line), MAX_NUMBER, words, &mut self.values)
+        } else {
+            let what = format!("{found} values found, {width} expected (one for each channel)");
+            Err(ReadError::malformed(at(line), what))
+        };
+        if let Err(error) = read {
+            self.damage.row(error);
+            self.gap += usize::from(start > 0);
+            return;
+        }
+        for _ in 0..std::mem::take(&mut self.gap) {
+            self.values.extend_from_within(start - width..start);
+        }
+        self.values[start..].rotate_left(width);
     }
+
+    fn frames(mut self, notes: &mut Notes) -> Result<Vec<Transform>, ReadError> {
+        let (width, count) = (self.columns.len().max(1), self.values.len());
+        if self.damage.has_values() {
+            (0..width).for_each(|c| hold(&mut self.values, (c..count).step_by(width)));
+        }
+        let fate = "the row before it is held; at the beginning and at the end it is left out";
+        self.damage.told(self.all, fate, |odd| notes.push(odd))?;
+        let rows = self.values.chunks_exact(width);
+        Ok(rows.map(|row| frame(row, self.columns)).collect())
+    }
+}
+
+/// The transform of a row: translation, then rotations in the order Z X Y, then scale.
+fn frame(values: &[f32], columns: &[Column]) -> Transform {
     let mut angles = Vec3::ZERO;
     let mut transform = Transform::IDENTITY;
-    for (column, word) in columns.iter().zip(text.split_whitespace()) {
-        let value = number(format_args!("line {line}"), word)?;
+    for (column, value) in columns.iter().zip(values) {
         match (column.drives, column.unit) {
             (Drives::Position(axis), Some(unit)) => transform.translation[axis] = value * unit,
             (Drives::Rotation(axis), Some(unit)) => angles[axis] = value * unit,
@@ -313,7 +360,7 @@ fn frame(line: usize, text: &str, columns: &[Column]) -> Result<Transform, ReadE
         Quat::from_rotation_y(angles.y),
     ];
     transform.rotation = (turns[0] * turns[1] * turns[2]).normalize();
-    Ok(transform)
+    transform
 }
 
 impl File {
@@ -326,6 +373,9 @@ impl File {
         let secs = frame_time(at(line), value_of(at(line), text, keyword)?)?;
         if self.segments.is_empty() {
             self.frame_time_secs = secs;
+            if let Some(what) = odd_frame_time(secs) {
+                notes.add(at(line), what);
+            }
         } else if secs != self.frame_time_secs {
             let first = self.frame_time_secs;
             let what = format!(

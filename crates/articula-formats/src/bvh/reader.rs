@@ -2,6 +2,7 @@
 
 use super::hierarchy::{self, Channel, Hierarchy, RawJoint};
 use super::motion::{self, Motion};
+use crate::capture_text::capture_text;
 use crate::error::{Parsed, ReadError, Warning};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
@@ -22,13 +23,14 @@ pub fn read(
     limits: &Limits,
 ) -> Result<Parsed<MotionFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
-    let text = String::from_utf8_lossy(bytes);
-    let text = text.trim_start_matches('\u{feff}');
-    let (hierarchy, mut warnings) = hierarchy::parse(text, limits)?;
+    let mut warnings = Vec::new();
+    let text = capture_text(bytes, |odd| warnings.push(odd));
+    let (hierarchy, odd) = hierarchy::parse(&text, limits)?;
+    warnings.extend(odd);
     let channels = hierarchy.joints.iter().map(|j| j.channels.len()).sum();
     let mut motion = Motion::default();
     if let Some(line) = hierarchy.motion_line {
-        let (read, odd) = motion::parse(text, line, channels, limits)?;
+        let (read, odd) = motion::parse(&text, line, channels, limits)?;
         motion = read;
         warnings.extend(odd);
     }

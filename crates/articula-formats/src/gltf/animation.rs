@@ -11,7 +11,7 @@ use super::single_weights::{SingleWeights, combined};
 use super::skeleton::Skeletal;
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::source::{Channel, Interpolation, Property, RawClip};
+use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property, RawClip};
 use glam::Quat;
 use std::collections::HashSet;
 
@@ -324,7 +324,8 @@ fn read_values(
     reader.floats(&accessor)
 }
 
-/// Drops keys whose time does not exceed that of the previous key, with their values.
+/// Drops keys whose time is before that of a previous key, with their values. Of several keys at one
+/// time the first and the last are kept, as a jump.
 fn drop_unordered_keys(
     reader: &mut Reader<'_>,
     sampler: &Place<'_>,
@@ -334,29 +335,56 @@ fn drop_unordered_keys(
     if channel.times_secs.is_sorted_by(|a, b| a < b) {
         return;
     }
-    let mut last = f32::NEG_INFINITY;
-    let in_order: Vec<bool> = channel
+    let keys = channel
         .times_secs
         .iter()
-        .map(|&time| {
-            let is_later = time > last;
-            last = last.max(time);
-            is_later
-        })
-        .collect();
-    let dropped = in_order.iter().filter(|keep| !**keep).count();
-    let what = format!("{dropped} keys do not rise in time; left out");
-    reader.notes.add(sampler.path("input"), what);
-    let mut keep = in_order.iter();
-    channel.times_secs.retain(|_| keep.next() == Some(&true));
-    let old = std::mem::take(&mut channel.values);
-    for (key, _) in old
-        .chunks_exact(floats)
-        .zip(&in_order)
-        .filter(|(_, keep)| **keep)
-    {
-        channel.values.extend_from_slice(key);
+        .zip(channel.values.chunks_exact(floats));
+    let mut times: Vec<f32> = Vec::with_capacity(channel.times_secs.len());
+    let mut values: Vec<&[f32]> = Vec::with_capacity(channel.times_secs.len());
+    let (mut dropped, mut jumps) = (0, 0);
+    // Whether the last kept key is the second one at its time.
+    let mut jumped = false;
+    for (&time, value) in keys {
+        let last = times.last().copied().unwrap_or(f32::NEG_INFINITY);
+        if time > last {
+            times.push(time);
+            values.push(value);
+            jumped = false;
+        } else if time == last {
+            let is_new = !jumped && values.last() != Some(&value);
+            let before = times.len().checked_sub(2).map(|i| times[i]);
+            if let Some(earlier) = before_jump(before, time).filter(|_| is_new) {
+                times.pop();
+                times.extend([earlier, time]);
+                (jumped, jumps) = (true, jumps + 1);
+            } else {
+                values.pop();
+                dropped += 1;
+            }
+            values.push(value);
+        } else {
+            dropped += 1;
+        }
     }
+    channel.values = values.concat();
+    channel.times_secs = times;
+    if dropped > 0 {
+        let what = format!("{dropped} keys do not rise in time; left out");
+        reader.notes.add(sampler.path("input"), what);
+    }
+    if jumps > 0 {
+        let what = format!("{jumps} times have two keys; each is read as a jump");
+        reader.notes.add(sampler.path("input"), what);
+    }
+}
+
+/// The time of the first of two keys at one time, so that times rise; `None` if there is none after
+/// the key before, or the jump is at the start, where its first value has no duration.
+fn before_jump(before: Option<f32>, time: f32) -> Option<f32> {
+    let earlier = (time - JUMP_SECS).min(time.next_down());
+    let between = before.map_or(0.0, |b| 0.5 * (b + time));
+    let earlier = earlier.max(between);
+    (earlier < time && before.is_none_or(|b| b < earlier)).then_some(earlier)
 }
 
 /// Normalises key rotations; tangents of cubic splines stay as they are.

@@ -65,6 +65,17 @@ impl Document {
         }
     }
 
+    /// Adds a name to `extensionsRequired` unless it is present.
+    pub(super) fn require_extension(&mut self, name: &str) {
+        let required = self
+            .json
+            .get("extensionsRequired")
+            .and_then(Value::as_array);
+        if !required.is_some_and(|required| required.iter().any(|r| r == name)) {
+            push(&mut self.json, "extensionsRequired", json!(name));
+        }
+    }
+
     /// Sets an extension of the document itself.
     pub(super) fn extend(&mut self, name: &str, value: Value) {
         let extensions = object(&mut self.json)

@@ -200,11 +200,12 @@ impl Document {
         }
     }
 
-    /// Replaces pictures, by their indices, with PNG or JPEG files; the bytes of the old ones are
-    /// dropped.
+    /// Replaces pictures, by their indices, with files of a format that a texture can have: PNG,
+    /// JPEG, WebP, AVIF, KTX 2 or DDS; the bytes of the old ones are dropped. Textures then name the
+    /// picture in the extension of its format.
     ///
     /// # Errors
-    /// [`WriteError::Mismatch`] if there is no such picture, or the bytes are neither PNG nor JPEG.
+    /// [`WriteError::Mismatch`] if there is no such picture, or the bytes are of no such format.
     /// The document is then unchanged.
     pub fn set_pictures(&mut self, pictures: &[(usize, &[u8])]) -> Result<(), WriteError> {
         let count = self.count("images");
@@ -219,7 +220,7 @@ impl Document {
             if mime.is_empty() {
                 return Err(WriteError::mismatch(
                     at,
-                    "the bytes are neither PNG nor JPEG",
+                    "the bytes are not PNG, JPEG, WebP, AVIF, KTX 2 or DDS",
                 ));
             }
             types.push(mime);
@@ -231,7 +232,8 @@ impl Document {
             unused.extend(index(image, "bufferView"));
             object(image).shift_remove("uri");
             set(image, "bufferView", view);
-            set(image, "mimeType", mime);
+            set(image, "mimeType", mime.as_str());
+            self.retype_picture(*i, &mime);
             if let Some(fetched) = self.pictures.get_mut(*i) {
                 *fetched = None;
             }

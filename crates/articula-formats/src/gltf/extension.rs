@@ -2,6 +2,7 @@
 
 use super::place::Place;
 use super::reader::Notes;
+use super::texture_source::is_of_textures;
 use crate::error::ReadError;
 
 /// Name of the extension of skins and animations with H-Anim articulation.
@@ -26,7 +27,6 @@ const READ: &[&str] = &[
     "KHR_animation_pointer",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
-    "KHR_texture_transform",
     "MSFT_lod",
     "VRM",
 ];
@@ -47,7 +47,7 @@ pub(super) fn check(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError
             return Err(required.malformed("expected a name"));
         };
         let is_read = READ.contains(&name) || READ_FAMILIES.iter().any(|f| name.starts_with(f));
-        if !is_read {
+        if !is_read && !is_of_textures(root.value(), name) {
             return Err(ReadError::Unsupported {
                 at: required.at(),
                 what: name.to_owned(),

@@ -3,11 +3,15 @@
 use super::append::{Use, float_bytes, push, set, short, shorts};
 use super::document::Document;
 use super::geometry::add_primitive;
+use super::material::{CLAMP_TO_EDGE, MIRRORED_REPEAT};
+use super::texture_source::is_texture_type;
 use crate::uri::mime_type;
 use crate::written::WriteError;
 use articula_core::Transform;
-use articula_core::source::{Character, Image, Joint, Material, Primitive, RawMesh, Skin};
-use glam::{Affine3A, Mat4, Vec4};
+use articula_core::source::{
+    Character, Image, Joint, Material, Primitive, RawMesh, Skin, TextureWrap,
+};
+use glam::{Affine3A, Mat4, Vec3, Vec4};
 use serde_json::{Value, json};
 
 impl Document {
@@ -212,40 +216,103 @@ impl Document {
     }
 
     fn add_look(&mut self, materials: &[Material], images: &[Image]) {
-        let textures: Vec<Option<usize>> = images.iter().map(|i| self.add_image(i)).collect();
+        let pictures: Vec<Option<(usize, String)>> =
+            images.iter().map(|i| self.add_image(i)).collect();
+        let mut known = Vec::new();
         for material in materials {
-            let mut surface = json!({"metallicFactor": 0.0, "roughnessFactor": 1.0});
-            if material.base_color != Vec4::ONE {
-                let color = shorts(&material.base_color.to_array());
-                set(&mut surface, "baseColorFactor", color);
-            }
-            if let Some(texture) = material.base_color_image.and_then(|i| textures[i]) {
-                set(&mut surface, "baseColorTexture", json!({"index": texture}));
-            }
-            let mut value = json!({"name": material.name, "pbrMetallicRoughness": surface});
-            if material.alpha_cutoff > 0.0 {
-                set(&mut value, "alphaMode", "MASK");
-                set(&mut value, "alphaCutoff", short(material.alpha_cutoff));
-            }
-            if material.double_sided {
-                set(&mut value, "doubleSided", true);
+            let mut texture = |image: Option<usize>, wrap| {
+                let (picture, mime) = pictures[image?].as_ref()?;
+                Some(self.texture(&mut known, (*picture, mime), wrap))
+            };
+            let base = texture(material.base_color_image, material.base_color_wrap);
+            let emissive = texture(material.emissive_image, material.emissive_wrap);
+            let value = look(material, base, emissive);
+            for name in value["extensions"].as_object().into_iter().flatten() {
+                self.use_extension(name.0);
             }
             push(&mut self.json, "materials", value);
         }
     }
 
-    /// Adds a texture for a picture and returns its index; `None` if glTF does not support its
-    /// type.
-    fn add_image(&mut self, image: &Image) -> Option<usize> {
+    /// Returns the texture of a picture with this continuation, and adds it if there is none.
+    fn texture(
+        &mut self,
+        known: &mut Vec<((usize, [TextureWrap; 2]), usize)>,
+        (picture, mime): (usize, &str),
+        wrap: [TextureWrap; 2],
+    ) -> usize {
+        let key = (picture, wrap);
+        if let Some((_, texture)) = known.iter().find(|(own, _)| *own == key) {
+            return *texture;
+        }
+        let texture = self.add_texture(picture, mime);
+        if wrap != [TextureWrap::Repeat; 2] {
+            let mode = |wrap| match wrap {
+                TextureWrap::Repeat => 10497,
+                TextureWrap::Mirror => MIRRORED_REPEAT,
+                TextureWrap::Clamp => CLAMP_TO_EDGE,
+            };
+            let sampler = json!({"wrapS": mode(wrap[0]), "wrapT": mode(wrap[1])});
+            let sampler = push(&mut self.json, "samplers", sampler);
+            set(&mut self.json["textures"][texture], "sampler", sampler);
+        }
+        known.push((key, texture));
+        texture
+    }
+
+    /// Adds a picture and returns its index and type; `None` if glTF has no texture of its type.
+    fn add_image(&mut self, image: &Image) -> Option<(usize, String)> {
         let mime = mime_type(&image.mime_type, &image.bytes);
-        if image.bytes.is_empty() || !matches!(mime.as_str(), "image/png" | "image/jpeg") {
+        if image.bytes.is_empty() || !is_texture_type(&mime) {
             return None;
         }
         let view = self.add_buffer_view(&image.bytes);
         let value = json!({"name": image.name, "mimeType": mime, "bufferView": view});
-        let source = push(&mut self.json, "images", value);
-        Some(push(&mut self.json, "textures", json!({"source": source})))
+        let picture = push(&mut self.json, "images", value);
+        Some((picture, mime))
     }
+}
+
+/// A material with these textures.
+fn look(material: &Material, base: Option<usize>, emissive: Option<usize>) -> Value {
+    let mut surface = json!({"metallicFactor": 0.0, "roughnessFactor": 1.0});
+    if material.base_color != Vec4::ONE {
+        let color = shorts(&material.base_color.to_array());
+        set(&mut surface, "baseColorFactor", color);
+    }
+    if let Some(texture) = base {
+        set(&mut surface, "baseColorTexture", json!({"index": texture}));
+    }
+    let mut value = json!({"name": material.name, "pbrMetallicRoughness": surface});
+    if material.blends {
+        set(&mut value, "alphaMode", "BLEND");
+    } else if material.alpha_cutoff > 0.0 {
+        set(&mut value, "alphaMode", "MASK");
+        set(&mut value, "alphaCutoff", short(material.alpha_cutoff));
+    }
+    if material.double_sided {
+        set(&mut value, "doubleSided", true);
+    }
+    let mut extensions = json!({});
+    if material.emissive != Vec3::ZERO {
+        let strength = material.emissive.max_element().max(1.0);
+        let factor = shorts(&(material.emissive / strength).to_array());
+        set(&mut value, "emissiveFactor", factor);
+        if strength > 1.0 {
+            let strength = json!({"emissiveStrength": short(strength)});
+            set(&mut extensions, "KHR_materials_emissive_strength", strength);
+        }
+    }
+    if let Some(texture) = emissive {
+        set(&mut value, "emissiveTexture", json!({"index": texture}));
+    }
+    if material.unlit {
+        set(&mut extensions, "KHR_materials_unlit", json!({}));
+    }
+    if extensions != json!({}) {
+        set(&mut value, "extensions", extensions);
+    }
+    value
 }
 
 /// Returns the only joint of a rigid skin.
@@ -293,8 +360,8 @@ fn check(character: &Character) -> Result<(), WriteError> {
         }
     }
     for (m, material) in character.materials.iter().enumerate() {
-        let image = material.base_color_image;
-        if image.is_some_and(|i| i >= character.images.len()) {
+        let mut images = [material.base_color_image, material.emissive_image].into_iter();
+        if images.any(|i| i.is_some_and(|i| i >= character.images.len())) {
             return wrong(format!("material {m}"), "its image index is out of range");
         }
     }

@@ -163,15 +163,23 @@ pub(super) fn unit(rotation: Quat) -> Option<Quat> {
 }
 
 fn split_matrix(reader: &mut Reader<'_>, node: &Place<'_>, matrix: Mat4) -> Transform {
-    if let Some(transform) = Transform::from_matrix(matrix) {
-        return transform;
+    let (transform, is_exact) = transform_of(matrix);
+    if !is_exact {
+        let at = node.path("matrix");
+        let what = "the matrix is sheared or singular; the nearest translation, rotation and scale \
+                    are used";
+        reader.notes.add(at, what);
     }
-    let nearest = nearest_transform(matrix);
-    let at = node.path("matrix");
-    let what = "the matrix is sheared or singular; the nearest translation, rotation and scale \
-                are used";
-    reader.notes.add(at, what);
-    nearest
+    transform
+}
+
+/// Returns the transform of a matrix, and whether it is that matrix; else the nearest one.
+pub(super) fn transform_of(matrix: Mat4) -> (Transform, bool) {
+    let exact = Transform::from_matrix(matrix);
+    (
+        exact.unwrap_or_else(|| nearest_transform(matrix)),
+        exact.is_some(),
+    )
 }
 
 /// Returns the nearest transform: translation and column lengths are kept, and the columns are

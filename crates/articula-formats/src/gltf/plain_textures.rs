@@ -7,6 +7,7 @@
 use super::append::{entries_mut, index, object};
 use super::compression::take_extension;
 use super::document::Document;
+use super::texture_source::sources;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
@@ -66,7 +67,7 @@ impl Document {
     pub fn pictures_of_colors(&self) -> Vec<bool> {
         let (mut colors, mut data) = (BTreeSet::new(), BTreeSet::new());
         let textures = self.json.get("textures");
-        let source = |texture: usize| textures.and_then(|t| index(t.get(texture)?, "source"));
+        let sources = |texture: usize| textures.and_then(|t| t.get(texture)).map(sources);
         let mut open: Vec<&Value> = self.json.get("materials").into_iter().collect();
         while let Some(value) = open.pop() {
             open.extend(value.as_array().into_iter().flatten());
@@ -77,7 +78,12 @@ impl Document {
                         true => &mut data,
                         false => &mut colors,
                     };
-                    kind.extend(index(inner, "index").and_then(source));
+                    kind.extend(
+                        index(inner, "index")
+                            .and_then(sources)
+                            .into_iter()
+                            .flatten(),
+                    );
                 }
             }
         }

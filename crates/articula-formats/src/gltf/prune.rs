@@ -8,6 +8,7 @@ use super::append::{entries_mut, index, object, set};
 use super::compression::take_extension;
 use super::document::Document;
 use super::extension::{ARTICULATION, CLUSTERED_MESH, FACE, PREPARED};
+use super::texture_source::is_named_for_textures;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -21,9 +22,6 @@ const HARMLESS: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
-    "KHR_texture_basisu",
-    "KHR_texture_transform",
-    "EXT_texture_webp",
     "MSFT_lod",
     "VRM",
 ];
@@ -174,7 +172,9 @@ impl Document {
 
 pub(super) fn has_unknown_extension(value: &Value) -> bool {
     let is_unknown = |name: &String| {
-        !HARMLESS.contains(&name.as_str()) && !HARMLESS_FAMILIES.iter().any(|f| name.starts_with(f))
+        !HARMLESS.contains(&name.as_str())
+            && !HARMLESS_FAMILIES.iter().any(|f| name.starts_with(f))
+            && !is_named_for_textures(name)
     };
     match value {
         Value::Array(list) => list.iter().any(has_unknown_extension),

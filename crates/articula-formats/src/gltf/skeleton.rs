@@ -83,7 +83,7 @@ fn kept_nodes(
     in_skin: &[bool],
     expression_of_node: &HashMap<usize, usize>,
 ) -> Result<Vec<bool>, ReadError> {
-    let mut kept = animated_nodes(reader, tree.len())?;
+    let mut kept = animated_nodes(&reader.root, tree.len())?;
     expression_of_node.keys().for_each(|n| kept[*n] = false);
     for (n, node) in reader.root.entries("nodes")?.iter().enumerate() {
         let is_rigid = node.get("mesh").is_some() && node.get("skin").is_none();
@@ -104,9 +104,9 @@ fn kept_nodes(
 }
 
 /// Returns for each node whether a channel moves it (weights do not count).
-fn animated_nodes(reader: &Reader<'_>, nodes: usize) -> Result<Vec<bool>, ReadError> {
+pub(super) fn animated_nodes(root: &Place<'_>, nodes: usize) -> Result<Vec<bool>, ReadError> {
     let mut animated = vec![false; nodes];
-    for animation in reader.root.entries("animations")? {
+    for animation in root.entries("animations")? {
         for channel in animation.entries("channels")? {
             let Some(target) = channel.get("target") else {
                 continue;

@@ -1,9 +1,10 @@
 //! Writing of a document as one GLB, with all buffers and pictures in a single binary chunk.
 //!
-//! Source: glTF 2.0, chapter 4. All other JSON is written unchanged.
+//! Source: glTF 2.0, chapter 4.
 
 use super::append::{entries_mut, index, object, push, set};
 use super::document::Document;
+use super::matrices::split_animated;
 use crate::uri::mime_type;
 use crate::written::WriteError;
 use serde_json::{Value, json};
@@ -12,8 +13,9 @@ impl Document {
     /// Writes the document as one GLB.
     ///
     /// External and inline buffers, and the pictures that were fetched, move into the binary chunk;
-    /// a picture that could not be fetched keeps its URI. Everything else, including unknown
-    /// extensions and extras, is written unchanged.
+    /// a picture that could not be fetched keeps its URI. A node that an animation moves gets a
+    /// translation, rotation and scale in place of its matrix, as the format requires. Everything
+    /// else, including unknown extensions and extras, is written unchanged.
     ///
     /// # Errors
     /// [`WriteError::TooLarge`] from 4 GiB on; [`WriteError::Mismatch`] if `buffers` does not match
@@ -67,6 +69,7 @@ impl Document {
             }
         }
         self.pack_pictures(&mut json, &mut binary);
+        split_animated(&mut json);
         keep_one_buffer(&mut json, binary.len());
         Ok((json, binary))
     }

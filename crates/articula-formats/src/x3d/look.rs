@@ -9,8 +9,8 @@ use super::scene::{NodeId, shortened};
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::{Resolver, uri};
-use articula_core::source::{Image, Material};
-use glam::{DMat2, DVec2, DVec3, Vec4};
+use articula_core::source::{Image, Material, TextureWrap};
+use glam::{DMat2, DVec2, DVec3, Vec3, Vec4};
 use std::collections::HashMap;
 
 /// Transform of texture coordinates before the lookup.
@@ -55,7 +55,13 @@ pub(super) struct ShapeAppearance {
 }
 
 /// Properties by which materials are deduplicated.
-type LookKey = (String, [u32; 4], Option<usize>, u32, bool);
+type LookKey = (
+    String,
+    [u32; 8],
+    [Option<usize>; 2],
+    [[TextureWrap; 2]; 2],
+    [bool; 3],
+);
 
 /// Materials and pictures read so far, without duplicates.
 pub(super) struct Looks<'r, 'f> {
@@ -110,12 +116,17 @@ impl<'r, 'f> Looks<'r, 'f> {
             if let Some(own) = own {
                 material.base_color = base_color(reader, own)?;
                 material.name = reader.name(own);
+                material.unlit = reader.kind(own) == "UnlitMaterial";
+                self.emissive(reader, own, &mut material)?;
             }
-            if reader
-                .text(id, "alphaMode")
-                .is_some_and(|m| m.trim() == "MASK")
-            {
-                material.alpha_cutoff = reader.number(id, "alphaCutoff", 0.5)? as f32;
+            let mode = reader.text(id, "alphaMode");
+            match mode.map(str::trim) {
+                Some("MASK") => {
+                    material.alpha_cutoff = reader.number(id, "alphaCutoff", 0.5)? as f32;
+                }
+                // A mixture is not drawn; the surface is cut where it is less than half opaque.
+                Some("BLEND") => (material.blends, material.alpha_cutoff) = (true, 0.5),
+                _ => {}
             }
             let moved = reader.node(id, "textureTransform");
             let moved = moved.filter(|&n| reader.kind(n) == "TextureTransform");
@@ -123,6 +134,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         }
         if let Some(texture) = texture {
             material.base_color_image = self.picture(reader, texture)?;
+            material.base_color_wrap = wrap(reader, texture);
             if material.base_color_image.is_some() && reader.scene.version < 4 {
                 let opacity = material.base_color.w;
                 material.base_color = Vec4::ONE.with_w(opacity);
@@ -137,14 +149,42 @@ impl<'r, 'f> Looks<'r, 'f> {
         Ok(look)
     }
 
+    /// Reads the light that a lit material gives off.
+    fn emissive(
+        &mut self,
+        reader: &mut Reader<'_>,
+        own: NodeId,
+        material: &mut Material,
+    ) -> Result<(), ReadError> {
+        if material.unlit {
+            return Ok(());
+        }
+        let color = reader.vector(own, "emissiveColor", DVec3::ZERO)?.to_array();
+        let light = match reader.kind(own) {
+            "PhysicalMaterial" => color.map(|c| c.clamp(0.0, 1.0) as f32),
+            _ => color.map(linear),
+        };
+        material.emissive = Vec3::from_array(light);
+        if material.emissive == Vec3::ZERO {
+            return Ok(());
+        }
+        if let Some(texture) = reader.node(own, "emissiveTexture") {
+            material.emissive_image = self.picture(reader, texture)?;
+            material.emissive_wrap = wrap(reader, texture);
+        }
+        Ok(())
+    }
+
     /// Returns the index of a material; equal ones share an index.
     fn material(&mut self, material: Material) -> usize {
+        let [r, g, b, a] = material.base_color.to_array();
+        let [x, y, z] = material.emissive.to_array();
         let key = (
             material.name.clone(),
-            material.base_color.to_array().map(f32::to_bits),
-            material.base_color_image,
-            material.alpha_cutoff.to_bits(),
-            material.double_sided,
+            [r, g, b, a, x, y, z, material.alpha_cutoff].map(f32::to_bits),
+            [material.base_color_image, material.emissive_image],
+            [material.base_color_wrap, material.emissive_wrap],
+            [material.double_sided, material.blends, material.unlit],
         );
         let next = self.materials.len();
         let index = *self.material_of_look.entry(key).or_insert(next);
@@ -248,7 +288,10 @@ impl<'r, 'f> Looks<'r, 'f> {
 /// Returns the texture of the base colour: that of the material (X3D 4), else of the appearance.
 fn texture_of(reader: &Reader<'_>, appearance: NodeId, material: Option<NodeId>) -> Option<NodeId> {
     let of_material = material.and_then(|m| {
-        let fields = ["diffuseTexture", "baseTexture", "emissiveTexture"];
+        let fields: &[&str] = match reader.kind(m) {
+            "UnlitMaterial" => &["emissiveTexture"],
+            _ => &["diffuseTexture", "baseTexture"],
+        };
         fields.iter().find_map(|field| reader.node(m, field))
     });
     let texture = of_material.or_else(|| reader.node(appearance, "texture"))?;
@@ -256,6 +299,23 @@ fn texture_of(reader: &Reader<'_>, appearance: NodeId, material: Option<NodeId>)
         return reader.node(texture, "texture");
     }
     Some(texture)
+}
+
+/// Continuation of a texture beyond its edges; that of its properties goes before its own fields.
+fn wrap(reader: &Reader<'_>, texture: NodeId) -> [TextureWrap; 2] {
+    let properties = reader.node(texture, "textureProperties");
+    [("repeatS", "boundaryModeS"), ("repeatT", "boundaryModeT")].map(|(repeat, mode)| {
+        let mode = properties.and_then(|p| reader.text(p, mode));
+        let repeat = reader.text(texture, repeat);
+        let clamps = |text: &str| text.trim().eq_ignore_ascii_case("false");
+        match mode.map(str::trim) {
+            Some("MIRRORED_REPEAT") => TextureWrap::Mirror,
+            Some("REPEAT") => TextureWrap::Repeat,
+            Some(_) => TextureWrap::Clamp,
+            None if repeat.is_some_and(clamps) => TextureWrap::Clamp,
+            None => TextureWrap::Repeat,
+        }
+    })
 }
 
 fn base_color(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec4, ReadError> {

@@ -11,6 +11,8 @@
 mod acclaim;
 mod bva_files;
 mod bvh_files;
+mod captures;
+mod cases;
 mod gltf;
 mod joint_map_characters;
 mod meshopt;

@@ -243,8 +243,8 @@ fn page(all: &[Found], unread: &[String]) -> Result<String> {
 const HEAD: &str = "# Errors of crowds, by character
 
 Made by `cargo run --release -p articula-lab -- crowd-errors`: every GLB file of the data with a skin and
-a clip, as 300 characters on the plaza for three seconds, within 1 px: with poses of their own, as by
-`articula crowd FILE --count 300 --source own`, and with cached poses, as by default; then with every other
+a clip, as 300 characters on the plaza for three seconds, within 1 px: with poses of their own
+(`CacheUse::Never`), and with cached poses, as by `articula crowd FILE --count 300`; then with every other
 character at half of its size and the rest at three times it. The camera stands 1 m in front of the first
 row, so it is inside of giants. Errors are pixels on a screen of 720 lines, against all joints, in the
 picture.

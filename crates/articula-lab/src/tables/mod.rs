@@ -61,7 +61,7 @@ impl Run {
 }
 
 /// Distances of the thesis, and a fifth by the same factor, metres.
-pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
+pub(crate) use articula::evaluate::DISTANCES_M;
 
 /// More characters of the tables of motion level of detail: name, file, clips. A dance that moves
 /// every finger, and a game character.

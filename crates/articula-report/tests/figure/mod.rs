@@ -1,7 +1,7 @@
 //! A plain figure made of rounded limbs, for pictures that need no file.
 
-use articula_core::source::{self, Joint, Skeleton};
-use articula_core::{
+use articula::core::source::{self, Joint, Skeleton};
+use articula::core::{
     Articulation, JointArticulation, Mesh, ModelPose, PosedMesh, Region, Rig, SkinnedMesh,
     Transform,
 };

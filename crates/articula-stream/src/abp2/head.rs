@@ -4,16 +4,17 @@
 
 use super::grouping::{Group, Grouping};
 use super::pose_unit::MOST_TIERS;
+use super::unit_form::{UnitFault, UnitForm, VERSION, VERSION_WITHOUT_CHECKSUMS};
 use super::wavelet::MOST_FRAMES;
 use crate::abp2::face_channels;
 use crate::error::StreamError;
 use crate::limits::StreamLimits;
 use articula_core::{ByteReader, MAX_JOINTS, push_varint};
+use crc::{CRC_16_IBM_3740, Crc};
 use std::ops::Range;
 
 const MAGIC: [u8; 4] = *b"ABP2";
 const MAGIC_OF_FACES: [u8; 4] = *b"AFP2";
-const VERSION: u8 = 1;
 const NO_UPDATE: u8 = 4;
 const SCALES: u8 = 8;
 const MORPHS: u8 = 16;
@@ -24,9 +25,14 @@ const MOST_NAME: usize = 1 << 12;
 /// Bytes of the magic and the length of the head.
 pub(super) const PREFIX: usize = 8;
 
+/// Checksum of what comes before the units of a head.
+static CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_IBM_3740);
+
 /// The head of a motion stream.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionHead {
+    /// Version of the form: 2, or 1, which has no checksums and is not written any more.
+    pub version: u8,
     /// Name of the clip.
     pub name: String,
     /// How joints are grouped in the access units.
@@ -46,7 +52,8 @@ pub struct MotionHead {
     pub joints: usize,
     /// Number of access units; 0 for a single frame.
     pub access_units: usize,
-    /// Hash of the rig.
+    /// Hash of the rig, 0 if it is not told: of version 2 the first 8 bytes of BLAKE3, of version 1
+    /// FNV-1a.
     pub rig_hash: u64,
     /// Whether joints have scale tracks.
     pub scales: bool,
@@ -74,11 +81,13 @@ pub struct FaceHead {
 pub(super) struct ReadHead {
     pub(super) head: MotionHead,
     pub(super) poses: Vec<PosePlace>,
+    /// Where the skeleton is, if it is carried.
+    pub(super) skeleton: Option<PosePlace>,
     /// Bytes up to the first access unit.
     pub(super) bytes: usize,
 }
 
-/// Where a pose unit is.
+/// Where a pose unit or the skeleton is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PosePlace {
     pub(super) number: usize,
@@ -93,9 +102,14 @@ impl MotionHead {
     /// # Errors
     /// A [`StreamError`] that names the byte, also if the stream ends within the head.
     pub fn open(stream: &[u8], limits: &StreamLimits) -> Result<Self, StreamError> {
+        Ok(Self::open_read(stream, limits)?.head)
+    }
+
+    /// As [`Self::open`], with the places of what is in the head.
+    pub(super) fn open_read(stream: &[u8], limits: &StreamLimits) -> Result<ReadHead, StreamError> {
         let at = format!("byte {}", stream.len());
         let early = || StreamError::malformed(at, "the stream ends within its head");
-        Ok(Self::read(stream, limits)?.ok_or_else(early)?.head)
+        Self::read(stream, limits)?.ok_or_else(early)
     }
 
     /// Returns the error in metres of skin that a tier allows, of the finest of those kept.
@@ -131,8 +145,42 @@ impl MotionHead {
         levels
     }
 
-    /// Writes the head with its pose units.
-    pub(super) fn write(&self, poses: &[(usize, Vec<u8>)]) -> Vec<u8> {
+    /// Number of pose units that there can be; that of the skeleton comes after theirs.
+    pub(super) fn pose_count(&self) -> usize {
+        self.pose_levels().len() + self.morph_groups.len()
+    }
+
+    /// Form of the units in the head; version 1 has no skeleton.
+    fn form(&self) -> UnitForm {
+        let skeletons = usize::from(self.version != VERSION_WITHOUT_CHECKSUMS);
+        UnitForm {
+            version: self.version,
+            count: self.pose_count() + skeletons,
+            place: 0,
+        }
+    }
+
+    /// Form of the units of an access unit.
+    pub(super) fn unit_form(&self, access_unit: usize) -> UnitForm {
+        UnitForm {
+            version: self.version,
+            count: self.group_count() * self.tiers,
+            place: access_unit as u32 + 1,
+        }
+    }
+
+    /// Number of the unit of a group at a tier.
+    pub(super) fn unit_number(&self, group: usize, tier: usize) -> usize {
+        group * self.tiers + self.tiers - 1 - tier
+    }
+
+    /// Group and tier of a unit by its number.
+    pub(super) fn group_and_tier(&self, number: usize) -> (usize, usize) {
+        (number / self.tiers, self.tiers - 1 - number % self.tiers)
+    }
+
+    /// Writes the head with its pose units and, if it is carried, the skeleton.
+    pub(super) fn write(&self, poses: &[(usize, Vec<u8>)], skeleton: Option<&[u8]>) -> Vec<u8> {
         let magic = if self.face.is_some() {
             MAGIC_OF_FACES
         } else {
@@ -186,10 +234,13 @@ impl MotionHead {
                 push_varint(&mut out, u64::from(*group));
             }
         }
+        out.extend(checksum(&out).to_be_bytes());
+        let form = self.form();
         for (number, body) in poses {
-            push_varint(&mut out, *number as u64);
-            push_varint(&mut out, body.len() as u64);
-            out.extend(body);
+            form.write(&mut out, *number, body);
+        }
+        if let Some(body) = skeleton {
+            form.write(&mut out, self.pose_count(), body);
         }
         let length = (out.len() - PREFIX) as u32;
         out[4..PREFIX].copy_from_slice(&length.to_be_bytes());
@@ -225,22 +276,39 @@ impl MotionHead {
         };
         let mut reader = ByteReader::new(head);
         reader.slice(PREFIX)?;
-        let mut fields = Fields { reader, limits };
+        let mut fields = Fields {
+            bytes: head,
+            reader,
+            limits,
+        };
         let (head, has_morphs) = fields.fixed(is_face)?;
         let mut head = fields.groups(head)?;
         if has_morphs {
             fields.morphs(&mut head)?;
         }
-        let poses = fields.poses(&head)?;
+        fields.check(&head)?;
+        let mut poses = fields.poses(&head)?;
+        let of_skeleton = |place: &mut PosePlace| place.number == head.pose_count();
+        let skeleton = poses.extract_if(.., of_skeleton).next();
         Ok(Some(ReadHead {
             head,
             poses,
+            skeleton,
             bytes: end,
         }))
     }
 }
 
+/// The checksum of the fields of a head, which its length is not among: a cut changes it.
+fn checksum(fields: &[u8]) -> u16 {
+    let mut digest = CHECKSUM.digest();
+    digest.update(&fields[..MAGIC.len()]);
+    digest.update(&fields[PREFIX..]);
+    digest.finalize()
+}
+
 struct Fields<'a> {
+    bytes: &'a [u8],
     reader: ByteReader<'a>,
     limits: &'a StreamLimits,
 }
@@ -261,11 +329,11 @@ impl Fields<'_> {
     /// The fields before the groups, and whether there are morph targets.
     fn fixed(&mut self, is_face: bool) -> Result<(MotionHead, bool), StreamError> {
         let [version] = self.reader.take()?;
-        if version != VERSION {
+        if version != VERSION && version != VERSION_WITHOUT_CHECKSUMS {
             return Err(StreamError::Unsupported {
                 at: format!("byte {PREFIX}"),
                 what: format!("version {version}"),
-                mend: format!("expected version {VERSION}"),
+                mend: format!("expected version {VERSION_WITHOUT_CHECKSUMS} or {VERSION}"),
             });
         }
         let [flags] = self.reader.take()?;
@@ -295,6 +363,7 @@ impl Fields<'_> {
             None
         };
         let head = MotionHead {
+            version,
             name,
             grouping,
             updates: flags & NO_UPDATE == 0,
@@ -361,23 +430,37 @@ impl Fields<'_> {
         Ok(())
     }
 
+    /// Reads the checksum of the fields so far, which version 1 does not have.
+    fn check(&mut self, head: &MotionHead) -> Result<(), StreamError> {
+        if head.version == VERSION_WITHOUT_CHECKSUMS {
+            return Ok(());
+        }
+        let end = self.reader.at();
+        let expected = checksum(&self.bytes[..end]);
+        let found = u16::from_be_bytes(self.reader.take()?);
+        if found == expected {
+            return Ok(());
+        }
+        let what = format!("the checksum of the head is {found:#06x}, expected {expected:#06x}");
+        Err(StreamError::malformed(format!("byte {end}"), what))
+    }
+
+    /// Reads the units, up to the end of the head.
     fn poses(&mut self, head: &MotionHead) -> Result<Vec<PosePlace>, StreamError> {
-        let most = head.pose_levels().len() + head.morph_groups.len() - 1;
+        let form = head.form();
         let mut poses: Vec<PosePlace> = Vec::new();
         while self.reader.left() > 0 {
-            let start = self.reader.at();
-            let number = self.number("as a pose unit", 0, most)?;
+            let unit = form.read(&mut self.reader).map_err(UnitFault::of_whole)?;
+            let number = unit.number;
             if poses.iter().any(|pose| pose.number == number) {
-                return Err(self.bad(format!("pose unit {number} occurs twice")));
+                let at = format!("byte {}", unit.bytes.start);
+                let what = format!("unit {number} of the head occurs twice");
+                return Err(StreamError::malformed(at, what));
             }
-            let length = self.reader.varint()? as usize;
-            let body = self.reader.at();
-            self.reader.slice(length)?;
-            let end = self.reader.at();
             poses.push(PosePlace {
                 number,
-                bytes: start..end,
-                body: body..end,
+                bytes: unit.bytes,
+                body: unit.body,
             });
         }
         Ok(poses)
@@ -395,6 +478,7 @@ mod tests {
             joint: None,
         };
         MotionHead {
+            version: VERSION,
             name: "wave".into(),
             grouping: Grouping::LoaRegion,
             updates: true,
@@ -417,11 +501,13 @@ mod tests {
     fn a_head_comes_back() {
         let head = head();
         let poses = [(0, vec![1, 2, 3]), (2, vec![]), (1, vec![9])];
-        let bytes = head.write(&poses);
+        let skeleton = [7; 300];
+        let bytes = head.write(&poses, Some(&skeleton));
         let read = MotionHead::read(&bytes, &StreamLimits::default())
             .unwrap()
             .unwrap();
         assert_eq!((&read.head, read.bytes), (&head, bytes.len()));
+        assert_eq!(bytes[read.skeleton.unwrap().body], skeleton);
         for ((number, body), place) in poses.iter().zip(&read.poses) {
             assert_eq!(
                 (number, &body[..]),
@@ -437,8 +523,16 @@ mod tests {
     }
 
     #[test]
+    fn the_checksum_is_the_one_of_the_catalogue() {
+        // The check values of the CRC catalogue (reveng) are those of these nine characters.
+        assert_eq!(CHECKSUM.checksum(b"123456789"), 0x29b1);
+        // The length of the head, the four bytes after the magic, is left out.
+        assert_eq!(checksum(b"1234....56789"), 0x29b1);
+    }
+
+    #[test]
     fn what_is_wrong_is_refused() {
-        let good = head().write(&[(0, vec![1])]);
+        let good = head().write(&[(0, vec![1])], None);
         let refused = |at: usize, value: u8| {
             let mut bytes = good.clone();
             bytes[at] = value;
@@ -446,7 +540,9 @@ mod tests {
             read.unwrap_err().to_string()
         };
         assert!(refused(0, b'X').contains("ABP2"));
-        assert!(refused(8, 2).contains("version 2"));
+        assert!(refused(8, 3).contains("version 3"));
+        // Version 1 has no checksums, so that they are taken for what comes next.
+        assert!(refused(8, 1).contains("unit"));
         assert!(refused(9, 0x23).contains("flags"));
         assert!(refused(10, 0).contains("0 tiers"));
         assert!(refused(10, 9).contains("9 tiers"));
@@ -454,6 +550,13 @@ mod tests {
         assert!(refused(17, 0).contains("0 frames"));
         assert!(refused(18, 0).contains("0 joints"));
         assert!(refused(19, 40).contains("40 access units"));
+        let last = good.len() - 1;
+        // In the hash of the rig; the one unit has three bytes, after the two of the checksum.
+        let of_head = format!("byte {}: the checksum of the head", last - 4);
+        assert!(refused(24, 0x10).contains(&of_head));
+        let of_unit = format!("byte {}: the checksum of unit 0", last - 2);
+        assert!(refused(last, good[last] ^ 1).contains(&of_unit));
+        assert!(refused(last - 1, 7).contains(&of_unit));
         let small = StreamLimits {
             elements: 40,
             ..StreamLimits::default()

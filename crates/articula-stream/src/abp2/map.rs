@@ -15,31 +15,51 @@ use std::ops::Range;
 /// # Errors
 /// A [`StreamError`] if the stream is malformed or ends early.
 pub fn motion_map(stream: &[u8], limits: &StreamLimits) -> Result<Unit, StreamError> {
-    let early = || StreamError::malformed(format!("byte {}", stream.len()), "unexpected end");
-    let read = MotionHead::read(stream, limits)?.ok_or_else(early)?;
+    let (map, is_whole) = map_of_whole(stream, limits)?;
+    if is_whole {
+        return Ok(map);
+    }
+    let at = format!("byte {}", stream.len());
+    Err(StreamError::malformed(at, "unexpected end"))
+}
+
+/// Returns the map of a stream that may end early: the head and the access units that are there as a
+/// whole, as [`motion_map`] has them; the first part of the map is the head. Bytes behind the map are of
+/// an access unit that is not there as a whole.
+///
+/// # Errors
+/// A [`StreamError`] if what is there is malformed, or ends within the head.
+pub fn prefix_map(stream: &[u8], limits: &StreamLimits) -> Result<Unit, StreamError> {
+    Ok(map_of_whole(stream, limits)?.0)
+}
+
+/// The map of the access units that are there as a whole, and whether these are all.
+fn map_of_whole(stream: &[u8], limits: &StreamLimits) -> Result<(Unit, bool), StreamError> {
+    let read = MotionHead::open_read(stream, limits)?;
     let mut children = vec![head_unit(&read, stream)];
     let mut at = read.bytes;
     for number in 0..read.head.access_units {
         let access_unit = AccessUnit::read(stream, at, number, &read.head)?;
-        let whole = access_unit.filter(|a| a.is_whole).ok_or_else(early)?;
+        let Some(whole) = access_unit.filter(|a| a.is_whole) else {
+            break;
+        };
         children.push(access_unit_unit(&whole, number, &read.head));
         at = whole.bytes.end;
     }
-    if at < stream.len() {
+    let is_whole = children.len() > read.head.access_units;
+    if is_whole && at < stream.len() {
         let what = "bytes after the last access unit";
         return Err(StreamError::malformed(format!("byte {at}"), what));
     }
-    Ok(Unit {
+    let label = match read.head.face {
+        Some(_) => "afp2",
+        None => "abp2",
+    };
+    let map = Unit {
         children,
-        ..Unit::of_bytes(
-            if read.head.face.is_some() {
-                "afp2"
-            } else {
-                "abp2"
-            },
-            0..at,
-        )
-    })
+        ..Unit::of_bytes(label, 0..at)
+    };
+    Ok((map, is_whole))
 }
 
 fn length(name: &'static str, bytes: Range<usize>, value: usize) -> Field {
@@ -79,10 +99,14 @@ fn head_unit(read: &ReadHead, stream: &[u8]) -> Unit {
             None => unit,
         }
     };
+    let mut units: Vec<Unit> = read.poses.iter().map(pose).collect();
+    let skeleton = read.skeleton.iter();
+    units.extend(skeleton.map(|place| Unit::of_bytes("skeleton", place.bytes.clone())));
+    units.sort_by_key(|unit| unit.bits.start);
     let value = u32::from_be_bytes([stream[4], stream[5], stream[6], stream[7]]);
     Unit {
         fields: vec![length("head_bytes", 4..head::PREFIX, value as usize)],
-        children: read.poses.iter().map(pose).collect(),
+        children: units,
         ..Unit::of_bytes("head", 0..read.bytes)
     }
 }
@@ -94,7 +118,11 @@ fn access_unit_unit(access_unit: &AccessUnit, number: usize, head: &MotionHead) 
         marked(of_bytes, unit.group, head).marked("tier", unit.tier as u32)
     });
     let after = start + PREFIX;
-    let mut children = vec![Unit::of_bytes("frames", after..start + access_unit.header)];
+    let mut children = Vec::new();
+    // Version 1 repeats the number of frames.
+    if access_unit.header > PREFIX {
+        children.push(Unit::of_bytes("frames", after..start + access_unit.header));
+    }
     children.extend(units);
     Unit {
         fields: vec![length(

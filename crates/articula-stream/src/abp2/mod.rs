@@ -1,14 +1,15 @@
 //! ABP-2: the motion of a character as a stream that is cut by bytes.
 //!
 //! The form is described in `docs/formats/abp2.md`, the encoder in `docs/methods/motion-stream.md`.
-//! A stream has a head and access units of up to two seconds; an access unit has units of one group
-//! of joints and one tier of tolerance each. A unit needs only the coarser tiers of its own group, so
+//! A stream has a head and access units of up to a second; an access unit has units of one group of
+//! joints and one tier of tolerance each. A unit needs only the coarser tiers of its own group, so
 //! that dropping units leaves a valid stream ([`motion_map`], [`crate::cut()`]), and any prefix of a
-//! stream decodes.
+//! stream decodes. Head and units have checksums, which a cut leaves as they are.
 //!
 //! - [`encode()`], [`MotionOptions`]: a clip within a tolerance in metres of skin
 //! - [`MotionReceiver`]: decodes what has arrived
-//! - [`MotionHead`], [`motion_map`]: what a stream holds
+//! - [`MotionHead`], [`motion_map`], [`prefix_map`]: what a stream, or a prefix of one, holds
+//! - [`CarriedSkeleton`]: the joints, if a stream carries them
 //!
 //! ```
 //! use articula_core::source::{Joint, Skeleton};
@@ -55,9 +56,11 @@ mod map;
 mod pose_unit;
 mod receiver;
 mod rotation;
+mod skeleton;
 mod start_contexts;
 mod step;
 mod tracks;
+mod unit_form;
 mod wavelet;
 
 pub use encode::{EncodedMotion, ManifestRow, MotionOptions, SkinError, UnitOrder, encode};
@@ -66,5 +69,6 @@ pub use head::{FaceHead, MotionHead};
 
 pub(crate) use access_unit::AccessUnit;
 pub(crate) use encode::encode_face;
-pub use map::motion_map;
+pub use map::{motion_map, prefix_map};
 pub use receiver::MotionReceiver;
+pub use skeleton::CarriedSkeleton;

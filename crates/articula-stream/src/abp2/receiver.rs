@@ -78,8 +78,8 @@ impl MotionReceiver {
     /// frames that changed.
     ///
     /// # Errors
-    /// A [`StreamError`] that names the byte: malformed bytes, a motion of another rig, more than
-    /// the limits allow. The receiver keeps what it had decoded before.
+    /// A [`StreamError`] that names the byte: malformed bytes, a head or unit that was damaged, a motion
+    /// of another rig, more than the limits allow. The receiver keeps what it had decoded before.
     pub fn receive(&mut self, more: &[u8]) -> Result<Range<usize>, StreamError> {
         let total = (self.bytes.len() + more.len()) as u64;
         StreamLimits::check("the stream", "bytes", total, self.limits.bytes)?;

@@ -57,8 +57,8 @@ impl FaceReceiver {
     /// frames that changed.
     ///
     /// # Errors
-    /// A [`StreamError`] that names the byte: malformed bytes, more than the limits allow. The
-    /// receiver keeps what it had decoded before.
+    /// A [`StreamError`] that names the byte: malformed bytes, a head or unit that was damaged, more
+    /// than the limits allow. The receiver keeps what it had decoded before.
     pub fn receive(&mut self, more: &[u8]) -> Result<Range<usize>, StreamError> {
         let changed = self.motion.receive(more)?;
         if let Some(head) = self.motion.head() {

@@ -27,7 +27,7 @@ pub struct Afp2Options {
     pub order: UnitOrder,
 }
 
-/// 0.1 mm, three tiers, all parameters, access units of up to two seconds.
+/// 0.1 mm, three tiers, all parameters, access units of up to a second.
 impl Default for Afp2Options {
     fn default() -> Self {
         let MotionOptions {

@@ -1,7 +1,8 @@
 //! MP4 files (ISO base media file format, ISO/IEC 14496-12) around streams of animations.
 //!
 //! Each stream is a track of timed metadata: its access units are the samples, its head is the
-//! initialisation data of the sample entry, and a URI says which stream it is. The form, and why it was
+//! initialisation data of the sample entry, and a URI says which stream it is. A box of ours has checksums
+//! of the file. The form, and why it was
 //! chosen, are described in `docs/formats/mp4.md`.
 //!
 //! - [`write()`]: streams to a file, each its own track
@@ -28,6 +29,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod checksums;
 mod read;
 mod samples;
 mod urim;

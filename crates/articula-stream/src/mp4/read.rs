@@ -1,5 +1,6 @@
 //! The tracks of a file, and the streams in them.
 
+use super::checksums::{self, TopBox};
 use super::urim::Urim;
 use crate::error::StreamError;
 use crate::kind::StreamKind;
@@ -39,7 +40,7 @@ pub fn is_mp4(bytes: &[u8]) -> bool {
 /// Reads the tracks of a file, also those that hold none of the streams.
 ///
 /// Tables of samples may have any form that the standard allows, except fragments of movies; edit
-/// lists and composition offsets are ignored. Memory is in proportion to the size of the file, also
+/// lists and composition offsets are ignored. A file that has checksums must agree with them. Memory is in proportion to the size of the file, also
 /// that of the tables.
 ///
 /// # Errors
@@ -105,9 +106,9 @@ impl Mp4Track {
     }
 }
 
-/// Finds and reads the movie box.
-fn moov(bytes: &[u8]) -> Result<MoovBox, StreamError> {
-    let mut found = None;
+/// Finds the boxes that are in no other.
+fn top_boxes(bytes: &[u8]) -> Result<Vec<TopBox>, StreamError> {
+    let mut found = Vec::new();
     let mut at = 0;
     while at < bytes.len() {
         let rest = &bytes[at..];
@@ -126,21 +127,35 @@ fn moov(bytes: &[u8]) -> Result<MoovBox, StreamError> {
                 rest.len()
             )));
         }
-        match header.box_type.as_bytes() {
-            b"moov" if found.is_some() => return Err(bad("a second box moov".into())),
-            b"moov" => {
-                let (moov, _) = MoovBox::decode(rest).map_err(|e| error(at, &e))?;
-                if moov.mvex_box.is_some() {
-                    return Err(fragments(at));
-                }
-                found = Some(moov);
-            }
-            b"moof" => return Err(fragments(at)),
-            _ => {}
-        }
-        at += size as usize;
+        let end = at + size as usize;
+        found.push(TopBox {
+            header,
+            bytes: at..end,
+        });
+        at = end;
     }
-    found.ok_or_else(|| StreamError::malformed("file", "no box moov, which every MP4 file has"))
+    Ok(found)
+}
+
+/// Finds and reads the movie box.
+fn moov(bytes: &[u8]) -> Result<MoovBox, StreamError> {
+    let boxes = top_boxes(bytes)?;
+    checksums::check(bytes, &boxes)?;
+    if let Some(fragment) = boxes.iter().find(|b| b.is(b"moof")) {
+        return Err(fragments(fragment.bytes.start));
+    }
+    let mut movies = boxes.iter().filter(|b| b.is(b"moov"));
+    let none = || StreamError::malformed("file", "no box moov, which every MP4 file has");
+    let at = movies.next().ok_or_else(none)?.bytes.start;
+    if let Some(second) = movies.next() {
+        let at = format!("byte {}", second.bytes.start);
+        return Err(StreamError::malformed(at, "a second box moov"));
+    }
+    let (moov, _) = MoovBox::decode(&bytes[at..]).map_err(|e| error(at, &e))?;
+    match moov.mvex_box {
+        Some(_) => Err(fragments(at)),
+        None => Ok(moov),
+    }
 }
 
 fn fragments(at: usize) -> StreamError {

@@ -1,5 +1,6 @@
 //! Streams to a file: the movie box, then the samples in the order of time.
 
+use super::checksums;
 use super::samples::Samples;
 use super::urim::Urim;
 use crate::error::StreamError;
@@ -40,22 +41,29 @@ pub fn write(streams: &[&[u8]], limits: &StreamLimits) -> Result<Vec<u8>, Stream
     let ftyp = encoded(&FtypBox {
         major_brand: Brand::ISO6,
         minor_version: 0,
-        compatible_brands: vec![Brand::ISO6, Brand::ISOM, Brand::new(*b"mp42")],
+        compatible_brands: vec![
+            Brand::ISO6,
+            Brand::ISOM,
+            Brand::new(*b"mp42"),
+            checksums::BRAND,
+        ],
     })?;
     // Offsets have a fixed width, so they do not move what they point to.
-    let head = ftyp.len() + encoded(&moov(&tracks, &chunks, 0))?.len() + MDAT_HEADER;
+    let boxes = ftyp.len() + encoded(&moov(&tracks, &chunks, 0))?.len();
+    let head = boxes + checksums::BYTES + MDAT_HEADER;
     let whole = u32::try_from(head + bytes);
     whole.map_err(|_| Mismatch::new("streams", "more than 4 GiB, which a file cannot hold"))?;
-    let mut out = ftyp;
-    out.extend(encoded(&moov(&tracks, &chunks, head as u32))?);
-    out.extend(((MDAT_HEADER + bytes) as u32).to_be_bytes());
-    out.extend(b"mdat");
+    let moov = encoded(&moov(&tracks, &chunks, head as u32))?;
+    let mut mdat = ((MDAT_HEADER + bytes) as u32).to_be_bytes().to_vec();
+    mdat.extend(b"mdat");
     for chunk in &chunks {
         for sample in &tracks[chunk.track].samples[chunk.first..][..chunk.samples] {
-            out.extend(sample.bytes);
+            mdat.extend(sample.bytes);
         }
     }
-    Ok(out)
+    let (header, samples) = mdat.split_at(MDAT_HEADER);
+    let checksums = checksums::write(&[&ftyp, &moov, header], &[samples]);
+    Ok([ftyp, moov, checksums, mdat].concat())
 }
 
 /// Samples of a track that are stored one after another.

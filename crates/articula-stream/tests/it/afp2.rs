@@ -1,6 +1,6 @@
 //! AFP-2: tolerances, levels and cuts, prefixes, hostile bytes.
 
-use crate::cut_streams::{bits_of, check_golden, cut_checked};
+use crate::cut_streams::{as_version_1, bits_of, check_golden, cut_checked};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion};
 use articula_core::fap_table::{FAP_COUNT, FapUnit, LOW_FAP_COUNT, TABLE, unit_mm};
 use articula_mutate::{Edit, Mutations, cut_off};
@@ -206,7 +206,12 @@ fn a_level_that_changes_at_an_access_unit_fades() {
         *frame = FaceFrame::NEUTRAL;
         (frame.low[19 - 3], frame.low[20 - 3]) = (600, 200);
     }
-    let coded = write(&held, &Afp2Options::default()).unwrap();
+    // Three access units of 50 frames.
+    let options = Afp2Options {
+        access_unit_secs: 2.0,
+        ..Afp2Options::default()
+    };
+    let coded = write(&held, &options).unwrap();
     let bits = |unit: &Unit| (unit.bits.start / 8) as usize..(unit.bits.end / 8) as usize;
     let cut = cut_checked(
         &coded.bytes,
@@ -370,7 +375,9 @@ fn no_mutation_panics() {
         assert!(used.bytes_max < 16 << 20, "{} bytes", used.bytes_max);
         read(bytes, &NO_FADE, &LIMITS).is_ok()
     };
-    let read = mutations.read_of(&bytes, 2000, whole);
+    mutations.read_of(&bytes, 500, whole);
+    // Without checksums more of the decoder sees damage.
+    let read = mutations.read_of(&as_version_1(&bytes), 2000, whole);
     assert!(read > 100, "only {read} mutants were read");
     for bytes in cut_off(&bytes) {
         whole(bytes);
@@ -400,4 +407,8 @@ fn the_bytes_decode_as_before() {
     let bytes = write(&wave, &Afp2Options::default()).unwrap().bytes;
     check_golden("wave2.afp", &bytes);
     check_within(&decoded(&bytes).clip.frames, &wave.frames, 1e-4);
+    // Written before there were checksums, of the same motion.
+    let before = include_bytes!("../golden/wave2-1.afp");
+    assert_eq!(decoded(before), decoded(&bytes));
+    assert_eq!(as_version_1(&bytes), before);
 }

@@ -1,6 +1,8 @@
 //! What holds of every stream that is cut by its map.
 
-use articula_stream::{Cut, CutRule, Meaning, Unit, cut, read_index, write_index};
+use articula_core::push_varint;
+use articula_stream::abp2::{MotionHead, motion_map};
+use articula_stream::{Cut, CutRule, Meaning, StreamLimits, Unit, cut, read_index, write_index};
 use std::path::Path;
 
 /// Cuts a stream and checks what holds of all cuts: the map is sound and describes the bytes, a
@@ -56,4 +58,59 @@ pub(crate) fn bits_of(stream: &[u8], map: &Unit, label: &str) -> Vec<(Vec<u32>, 
         }
     });
     found
+}
+
+/// A stream of version 2 of ABP-2 or AFP-2, without a skeleton, in the form of version 1: without
+/// checksums, number and length of a unit each for itself, the frames of each access unit.
+pub(crate) fn as_version_1(stream: &[u8]) -> Vec<u8> {
+    let limits = StreamLimits::default();
+    let head = MotionHead::open(stream, &limits).unwrap();
+    let map = motion_map(stream, &limits).unwrap();
+    let bytes = |unit: &Unit| unit.bits.start as usize / 8..unit.bits.end as usize / 8;
+    let units = |out: &mut Vec<u8>, of: &Unit, count: usize| {
+        for unit in &of.children {
+            let range = bytes(unit);
+            let (first, header) = varint(&stream[range.clone()]);
+            push_varint(out, (first % count) as u64);
+            push_varint(out, (first / count) as u64);
+            out.extend(&stream[range.start + header..range.end - 1]);
+        }
+    };
+    let sized = |mut part: Vec<u8>, at: usize| {
+        let length = (part.len() - at - 4) as u32;
+        part[at..at + 4].copy_from_slice(&length.to_be_bytes());
+        part
+    };
+    let of_head = &map.children[0];
+    let fields = of_head
+        .children
+        .first()
+        .map_or(of_head.bits.end, |unit| unit.bits.start);
+    let mut part = stream[..fields as usize / 8 - 2].to_vec();
+    part[8] = 1;
+    let mut levels: Vec<u8> = head.groups.iter().map(|group| group.loa).collect();
+    levels.sort_unstable();
+    levels.dedup();
+    units(
+        &mut part,
+        of_head,
+        levels.len() + head.morph_groups.len() + 1,
+    );
+    let mut out = sized(part, 4);
+    let count = (head.groups.len() + head.morph_groups.len()) * head.tiers;
+    for (number, access_unit) in map.children[1..].iter().enumerate() {
+        let mut part = vec![0; 4];
+        push_varint(&mut part, head.frames_of(number).len() as u64);
+        units(&mut part, access_unit, count);
+        out.extend(sized(part, 0));
+    }
+    out
+}
+
+/// A variable-length number, and its bytes.
+fn varint(bytes: &[u8]) -> (usize, usize) {
+    let last = bytes.iter().position(|byte| *byte < 0x80).unwrap();
+    let value = bytes[..=last].iter().rev();
+    let value = value.fold(0, |value, byte| value << 7 | usize::from(byte & 0x7f));
+    (value, last + 1)
 }

@@ -18,6 +18,7 @@ mod description_tools;
 mod descriptions;
 mod fba;
 mod fba_judged;
+mod flipped_bits;
 mod mesh_levels;
 mod motion_stream;
 mod mp4;

@@ -1,12 +1,14 @@
 //! ABP-2: what a stream shows, whole, cut and in pieces.
 
+use crate::cut_streams::as_version_1;
 use crate::small_human::{asset as figure, source};
 use articula_build::Asset;
 use articula_core::playback::{FigureModel, FigurePlayer, FigureViews, FullDetail};
 use articula_core::{Clip, Mesh, ModelPose, PosedMesh, Rig, Wrap};
 use articula_mutate::{Edit, Mutations};
 use articula_stream::abp2::{
-    EncodedMotion, Grouping, MotionOptions, MotionReceiver, UnitOrder, encode, motion_map,
+    CarriedSkeleton, EncodedMotion, Grouping, MotionOptions, MotionReceiver, UnitOrder, encode,
+    motion_map, prefix_map,
 };
 use articula_stream::{CutRule, StreamLimits, Unit, cut, read_index, write_index};
 use glam::{Quat, Vec3};
@@ -346,6 +348,27 @@ fn a_stored_stream_decodes_to_the_same_numbers() {
 }
 
 #[test]
+fn a_stored_stream_of_version_1_is_still_read() {
+    // Written before there were checksums, of the same motion.
+    let stored = include_bytes!("../golden/walk-1.abp");
+    let read = received(stored);
+    assert_eq!(read.head().unwrap().version, 1);
+    let told = include_str!("../golden/walk.hash");
+    assert!(read.is_whole() && format!("{:016x}", read.hash()) == told);
+    let coded = coded(Grouping::Joint, UnitOrder::Tier);
+    assert_eq!(read.clip(), received(&coded.bytes).clip());
+    assert_eq!(as_version_1(&coded.bytes), stored);
+    let limits = StreamLimits::default();
+    let map = motion_map(stored, &limits).unwrap();
+    map.check_values(stored).unwrap();
+    let rule = CutRule::default().at_least("tier", 2);
+    let part = cut(stored, &map, |unit| rule.keeps(unit)).unwrap();
+    assert_eq!(motion_map(&part.bytes, &limits).unwrap(), part.unit);
+    let of_new = cut(&coded.bytes, &coded.unit, |unit| rule.keeps(unit)).unwrap();
+    assert_eq!(as_version_1(&of_new.bytes), part.bytes);
+}
+
+#[test]
 fn hostile_streams_end_in_an_error_or_a_clip() {
     let mutations = Mutations {
         edits: &[
@@ -363,7 +386,7 @@ fn hostile_streams_end_in_an_error_or_a_clip() {
     };
     for grouping in Grouping::ALL {
         let good = coded(grouping, UnitOrder::Tier).bytes;
-        mutations.read_of(&good, 700, |bytes| {
+        let read = |bytes: &[u8]| {
             if let Ok(map) = motion_map(bytes, &limits) {
                 map.check().unwrap();
                 map.check_values(bytes).unwrap();
@@ -375,7 +398,10 @@ fn hostile_streams_end_in_an_error_or_a_clip() {
                 assert_eq!(clip.joints(), figure().rig.len());
             }
             true
-        });
+        };
+        mutations.read_of(&good, 300, read);
+        // Without checksums more of the decoder sees damage.
+        mutations.read_of(&as_version_1(&good), 700, read);
     }
 }
 
@@ -480,4 +506,87 @@ fn a_rig_without_a_mesh_and_a_clip_of_one_frame() {
     assert!(shown.is_whole() && shown.frames() == 1);
     let turn = shown.clip().unwrap().tracks().rotations[0].values[0];
     assert!(turn.angle_between(Quat::from_rotation_y(0.7)) < 1e-3);
+}
+
+#[test]
+fn a_prefix_maps_what_is_there_as_a_whole() {
+    let limits = StreamLimits::default();
+    let coded = coded(Grouping::Loa, UnitOrder::Tier);
+    let ends = coded
+        .unit
+        .children
+        .iter()
+        .map(|unit| unit.bits.end as usize / 8);
+    let ends: Vec<usize> = ends.collect();
+    assert!(ends.len() > 2);
+    for length in 0..=coded.bytes.len() {
+        let part = prefix_map(&coded.bytes[..length], &limits);
+        let whole = ends.iter().filter(|end| **end <= length).count();
+        match whole {
+            0 => assert!(part.is_err()),
+            _ => assert_eq!(part.unwrap().children, coded.unit.children[..whole]),
+        }
+    }
+    assert_eq!(prefix_map(&coded.bytes, &limits).unwrap(), coded.unit);
+    let longer = [&coded.bytes[..], &[0]].concat();
+    assert!(prefix_map(&longer, &limits).is_err());
+}
+
+#[test]
+fn the_coarsest_units_are_one_range_of_bytes() {
+    for order in [UnitOrder::Tier, UnitOrder::Value] {
+        let coded = coded(Grouping::LoaRegion, order);
+        for access_unit in &coded.unit.children[1..] {
+            let tiers = access_unit
+                .children
+                .iter()
+                .filter_map(|unit| unit.marker("tier"));
+            let tiers: Vec<u32> = tiers.collect();
+            let base = tiers.iter().take_while(|tier| **tier == 4).count();
+            assert!(base > 3 && !tiers[base..].contains(&4), "{tiers:?}");
+        }
+    }
+}
+
+#[test]
+fn access_units_have_at_most_a_second() {
+    let Asset { rig, mesh, .. } = figure();
+    let coded = encode(rig, mesh, walk(), &MotionOptions::default()).unwrap();
+    let head = received(&coded.bytes).head().unwrap().clone();
+    assert!(head.access_units > 0);
+    for access_unit in 0..head.access_units {
+        let frames = head.frames_of(access_unit).len();
+        assert!(frames as f64 <= f64::from(head.rate_hz));
+    }
+}
+
+#[test]
+fn a_carried_skeleton_is_that_of_the_rig() {
+    let Asset { rig, mesh, .. } = figure();
+    let options = MotionOptions {
+        skeleton: true,
+        ..MotionOptions::default()
+    };
+    let with = encode(rig, mesh, walk(), &options).unwrap();
+    let without = encode(rig, mesh, walk(), &MotionOptions::default()).unwrap();
+    let limits = StreamLimits::default();
+    assert_eq!(CarriedSkeleton::open(&without.bytes, &limits), Ok(None));
+    let carried = CarriedSkeleton::open(&with.bytes, &limits)
+        .unwrap()
+        .unwrap();
+    assert_eq!(carried.skeleton, source().skeleton);
+    let own = Rig::new(&carried.skeleton, carried.articulation).unwrap();
+    for (a, b) in own
+        .articulation()
+        .joints
+        .iter()
+        .zip(&rig.articulation().joints)
+    {
+        assert_eq!((a.level, a.region), (b.level, b.region));
+    }
+    let shown = MotionReceiver::read(&with.bytes, &own, &limits).unwrap();
+    assert_eq!(shown.clip(), received(&without.bytes).clip());
+    // What remains when the skeleton is cut away is the stream without it.
+    let cut = cut(&with.bytes, &with.unit, |unit| unit.label != "skeleton").unwrap();
+    assert!(cut.bytes == without.bytes && cut.unit == without.unit);
 }

@@ -56,6 +56,34 @@ fn inside(file: &[u8], path: &str) -> Range<usize> {
     within
 }
 
+/// A file as other programs write it: without the box of checksums, and without the brand that
+/// promises it. Offsets into the data move.
+fn by_another_writer(streams: &[&[u8]]) -> Vec<u8> {
+    let file = write(streams, &LIMITS).unwrap();
+    let checksums = inside(&file, "uuid");
+    let brands = inside(&file, "ftyp");
+    let shift = checksums.len() + 8 + 4;
+    let mut ftyp = file[..brands.end - 4].to_vec();
+    assert_eq!(file[brands.end - 4..brands.end], *b"artc");
+    ftyp[3] -= 4;
+    let mut moov = file[brands.end..checksums.start - 8].to_vec();
+    // Each track has one table of offsets.
+    let tables: Vec<usize> = (4..moov.len())
+        .filter(|at| moov[at - 4..].starts_with(b"stco"))
+        .collect();
+    assert_eq!(tables.len(), streams.len());
+    for at in tables {
+        let number =
+            |moov: &[u8], at: usize| u32::from_be_bytes(moov[at..at + 4].try_into().unwrap());
+        let count = number(&moov, at + 4) as usize;
+        for row in (0..count).map(|row| at + 8 + 4 * row) {
+            let offset = number(&moov, row) - shift as u32;
+            moov[row..row + 4].copy_from_slice(&offset.to_be_bytes());
+        }
+    }
+    [ftyp, moov, file[checksums.end..].to_vec()].concat()
+}
+
 const STBL: &str = "moov/trak/mdia/minf/stbl";
 
 /// The whole numbers of a table of a file with one track, from its `first` one.
@@ -254,6 +282,60 @@ fn the_layout_is_the_stored_one() {
     check_golden("walk.mp4", &write(&[ABP2, AFP2], &LIMITS).unwrap());
 }
 
+#[test]
+fn a_file_without_checksums_is_still_read() {
+    // Written before there were any, of streams of version 1.
+    let file = include_bytes!("../golden/walk-1.mp4");
+    let tracks = read(file, &LIMITS).unwrap();
+    let streams = [
+        &include_bytes!("../golden/walk-1.abp")[..],
+        include_bytes!("../golden/wave2-1.afp"),
+    ];
+    assert_eq!(tracks.len(), streams.len());
+    for (track, stream) in tracks.iter().zip(streams) {
+        assert!(track.stream(file).unwrap() == stream);
+    }
+    let file = by_another_writer(&[ABP2]);
+    assert!(only_track(&file).stream(&file).unwrap() == ABP2);
+}
+
+#[test]
+fn checksums_of_a_file_are_in_a_box_of_their_own() {
+    let file = write(&[ABP2], &LIMITS).unwrap();
+    let checksums = inside(&file, "uuid");
+    let moov = inside(&file, "moov");
+    let mdat = inside(&file, "mdat");
+    assert_eq!(
+        (checksums.start, checksums.end),
+        (moov.end + 8, mdat.start - 8)
+    );
+    // CRC-32 bit by bit, reflected, of all that is no sample, and of the samples.
+    let crc32 = |bytes: &[u8]| {
+        let bits = |crc: u32, byte: &u8| {
+            let shifted = |crc: u32, _| crc >> 1 ^ if crc & 1 == 1 { 0xedb8_8320 } else { 0 };
+            (0..8).fold(crc ^ u32::from(*byte), shifted)
+        };
+        !bytes.iter().fold(u32::MAX, bits)
+    };
+    let others = [&file[..moov.end], &file[mdat.start - 8..mdat.start]].concat();
+    let told = &file[checksums.end - 8..checksums.end];
+    assert_eq!(told[..4], crc32(&others).to_be_bytes());
+    assert_eq!(told[4..], crc32(&file[mdat]).to_be_bytes());
+    // Without the box the brand is a promise that is not kept; twice is once too often.
+    let box_ = checksums.start - 8..checksums.end;
+    let without = [&file[..box_.start], &file[box_.end..]].concat();
+    assert!(refused(&without).contains("but there is none"));
+    let twice = [&file[..box_.end], &file[box_.start..]].concat();
+    assert!(refused(&twice).contains("a second box with checksums"));
+    let mut short = file.clone();
+    short[box_.start + 3] -= 4;
+    short.drain(box_.end - 4..box_.end);
+    assert!(refused(&short).contains("another size"));
+    // A further box is one that the checksum does not know.
+    let free = [&file[..], &boxed("free", &[0; 5])].concat();
+    assert!(refused(&free).contains("the checksum of the boxes"));
+}
+
 /// A box around a content.
 fn boxed(name: &str, body: &[u8]) -> Vec<u8> {
     let size = (8 + body.len()) as u32;
@@ -277,7 +359,7 @@ fn replaced(file: &[u8], path: &str, new: &[u8]) -> Vec<u8> {
 
 #[test]
 fn other_writers_may_arrange_boxes_in_other_ways() {
-    let file = write(&[ABP2], &LIMITS).unwrap();
+    let file = by_another_writer(&[ABP2]);
     let [ftyp, moov, mdat] = ["ftyp", "moov", "mdat"].map(|name| {
         let body = inside(&file, name);
         file[body.start - 8..body.end].to_vec()
@@ -329,7 +411,7 @@ fn other_writers_may_arrange_boxes_in_other_ways() {
 fn samples_of_equal_size_may_have_one_number() {
     // FBA is one sample, so its table can say the size of all.
     let stream = fba();
-    let file = write(&[&stream], &LIMITS).unwrap();
+    let file = by_another_writer(&[&stream]);
     let size = format!("{STBL}/stsz");
     let one = boxed(
         "stsz",
@@ -349,7 +431,7 @@ fn samples_of_equal_size_may_have_one_number() {
 
 #[test]
 fn lying_tables_are_refused() {
-    let file = write(&[ABP2], &LIMITS).unwrap();
+    let file = by_another_writer(&[ABP2]);
     let at = |name: &str| format!("{STBL}/{name}");
     let at_dref = "moov/trak/mdia/minf/dinf/dref";
     let url = boxed("url ", b"\0\0\0\0a.mp4\0");
@@ -387,7 +469,7 @@ fn lying_tables_are_refused() {
 
 #[test]
 fn samples_elsewhere_in_the_file_are_a_matter_of_the_decoder() {
-    let file = write(&[ABP2], &LIMITS).unwrap();
+    let file = by_another_writer(&[ABP2]);
     let file = with(&file, &format!("{STBL}/stco"), 2, 0);
     let stream = only_track(&file).stream(&file).unwrap();
     assert!(stream != ABP2 && stream.len() == ABP2.len());
@@ -396,7 +478,7 @@ fn samples_elsewhere_in_the_file_are_a_matter_of_the_decoder() {
 
 #[test]
 fn sizes_and_forms_of_files_are_checked() {
-    let file = write(&[ABP2], &LIMITS).unwrap();
+    let file = by_another_writer(&[ABP2]);
     let moov = inside(&file, "moov");
     let cases = [
         (Vec::new(), "no box moov"),
@@ -444,7 +526,7 @@ fn sizes_and_forms_of_files_are_checked() {
 
 #[test]
 fn tracks_that_share_bytes_are_refused() {
-    let file = write(&[ABP2], &LIMITS).unwrap();
+    let file = by_another_writer(&[ABP2]);
     let trak = inside(&file, "moov/trak");
     let trak = &file[trak.start - 8..trak.end];
     let many = replaced(&file, "moov/trak", &trak.repeat(40));
@@ -471,8 +553,7 @@ fn what_is_no_stream_is_not_boxed() {
 
 #[test]
 fn any_bytes_end_with_tracks_or_an_error() {
-    let stream = [ABP2, AFP2];
-    let file = write(&stream, &LIMITS).unwrap();
+    let file = by_another_writer(&[ABP2, AFP2]);
     let check = |bytes: &[u8]| {
         let Ok(tracks) = read(bytes, &LIMITS) else {
             return false;

@@ -5,7 +5,7 @@
 //! against its rest, seen in these axes.
 
 use crate::error::{Error, Result};
-use articula_build::source_rate_hz;
+use articula_build::sampling_rate_hz;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source::{
     Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton, evaluate,
@@ -26,7 +26,7 @@ const TURNED: f32 = 1e-3;
 /// Maximum number of frames.
 const MAX_FRAMES: f64 = (1 << 20) as f64;
 
-/// Returns a clip of a character in the form of ABP-1, sampled at the rate of its keys.
+/// Returns a clip of a character in the form of ABP-1, sampled at a rate that follows its keys.
 ///
 /// Bones are the joints of the skeleton, with the same numbers. Motion of morph targets and
 /// expressions is left out. Joints below one whose rest pose is scaled differently along its axes
@@ -43,7 +43,7 @@ pub fn from_character(
     let Some(clip) = character.clips.get(clip) else {
         return Err(Error::unsuited("clips: the file has no clip to write"));
     };
-    let hz = f64::from(source_rate_hz(clip));
+    let hz = f64::from(sampling_rate_hz(clip, skeleton));
     let rate = FrameRate::nearest(hz).ok_or_else(|| {
         Error::unsuited(format!(
             "clip \"{}\": {hz} frames per second; ABP-1 holds 1/16 to 255, resample the clip",

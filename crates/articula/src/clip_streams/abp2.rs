@@ -1,19 +1,22 @@
 //! The motion of a character as ABP-2, and back.
 //!
-//! Form: `docs/formats/abp2.md`. Such a stream has no skeleton: it is decoded onto the character
-//! that it was made from, which it knows by a hash of the joints.
+//! Form: `docs/formats/abp2.md`. Unless such a stream carries the skeleton, it is decoded onto the
+//! character that it was made from, which it knows by a hash of the joints.
 
+use super::rig_hash::{of_version, rig_hash};
 use super::{StreamKind, stream_limits};
 use crate::error::{Context, Error, Result};
 use articula_build::face::{blend_shape, vrm_preset};
-use articula_build::{ClipOptions, rig_and_mesh, rig_hash, sampled_clip};
+use articula_build::{ClipOptions, rig_and_mesh, sampled_clip};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
 use articula_core::fap_table::{LOW_FAPS, unit_mm};
 use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, RawMesh};
 use articula_core::{Articulation, Clip, Rig, Track};
 use articula_formats::Limits;
 use articula_stream::CutRule;
-use articula_stream::abp2::{EncodedMotion, Group, MotionOptions, MotionReceiver, encode};
+use articula_stream::abp2::{
+    EncodedMotion, Group, MotionHead, MotionOptions, MotionReceiver, encode,
+};
 use serde::Serialize;
 
 /// A tier of a motion stream.
@@ -111,6 +114,11 @@ pub fn tiers(coded: &EncodedMotion, tolerance_metres: f64) -> Result<Vec<TierRep
     coded.errors.iter().enumerate().map(tier).collect()
 }
 
+/// Whether a stream tells the hash of a rig.
+pub(crate) fn is_of_rig(head: &MotionHead, rig: &Rig) -> bool {
+    head.rig_hash == of_version(head.version, rig)
+}
+
 /// Decodes a stream with the rig of the character called `of`.
 pub(crate) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Result<Clip> {
     if StreamKind::of(bytes) != Some(StreamKind::Abp2) {
@@ -120,7 +128,7 @@ pub(crate) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Resu
     let received = MotionReceiver::read(bytes, rig, &stream_limits(limits))?;
     if let Some(head) = received.head()
         && head.rig_hash != 0
-        && head.rig_hash != rig_hash(rig)
+        && !is_of_rig(head, rig)
     {
         return Err(Error::unsuited(format!(
             "the stream was made for another character than {of}: joint names or rest poses differ"

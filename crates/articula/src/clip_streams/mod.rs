@@ -7,20 +7,24 @@
 //! - [`afp2`]: facial animation parameters as AFP-2, and back
 //! - [`fba`]: facial animation parameters as MPEG-4's binary stream, and back
 //! - [`mp4`]: these streams in MP4 files
+//! - [`AccessUnitCount`]: how much of a stream is there
 //! - [`unit_tree()`]: the map of any of them and of mesh levels, by how the bytes begin
 //!
 //! The streams themselves, and the map by which they are cut, are those of `articula_stream`.
 
 pub mod abp1;
 pub mod abp2;
+mod access_units;
 pub mod afp1;
 pub mod afp2;
 mod face_clip;
 mod face_frame;
 pub mod fba;
 pub mod mp4;
+mod rig_hash;
 mod unit_tree;
 
+pub use access_units::AccessUnitCount;
 pub use unit_tree::unit_tree;
 
 use crate::error::Result;

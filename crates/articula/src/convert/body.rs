@@ -4,7 +4,7 @@ use super::left_out::{EncodedFile, LossyPart, meshes};
 use crate::error::Result;
 use crate::open::CharacterFile;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
-use articula_build::source_rate_hz;
+use articula_build::sampling_rate_hz;
 use articula_core::source::Character;
 use articula_formats::joint_map;
 use articula_formats::mpeg4::bap::{self, BapResidual};
@@ -42,11 +42,11 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
 /// cannot hold.
 fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFile> {
     let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
-    let rate_hz = source
-        .character()
-        .clips
-        .first()
-        .map_or(30.0, source_rate_hz);
+    let character = source.character();
+    let rate_hz = match character.clips.first() {
+        Some(clip) => sampling_rate_hz(clip, &character.skeleton),
+        None => 30.0,
+    };
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
     let unsaid = unsaid(&sampled.residuals);
     let left_out = meshes(source).into_iter().chain(unsaid);

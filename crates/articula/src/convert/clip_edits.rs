@@ -5,12 +5,13 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, Format};
+use crate::resampling::played_mm;
 use crate::work::Executor;
 use articula_build::clip_edit::{self, EditSubject};
 use articula_build::clip_edit::{CloseOptions, LoopCycle};
 use articula_build::clip_edit::{ReduceOptions, ReducedClip};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey};
-use articula_core::source::RawClip;
+use articula_core::source::{Character, RawClip};
 use serde::{Serialize, Serializer};
 
 /// Edits applied to every clip of a character; the default is none.
@@ -156,6 +157,9 @@ pub struct TrajectoryPlace {
 pub struct Resampled {
     /// Keys per second.
     pub rate_hz: f32,
+    /// Greatest displacement of the skin from the clip before in millimetres; of joints where there is
+    /// no mesh.
+    pub resampling_mm: f64,
     /// Number of keys in all channels before.
     pub keys_before: usize,
     /// Number of keys in all channels after.
@@ -224,9 +228,10 @@ impl ClipEdits {
         }
         let place = opened.name().to_owned();
         let subject = subject(opened).with_context(|| &place)?;
+        let character = opened.character();
         let edit = |clip: &RawClip| {
             let mut clip = clip.clone();
-            let edited = self.edit(&subject, &mut clip);
+            let edited = self.edit(character, &subject, &mut clip);
             Ok((clip, edited.with_context(|| &place)?))
         };
         let clips = opened.character().clips.iter().collect();
@@ -236,7 +241,12 @@ impl ClipEdits {
         Ok(edits)
     }
 
-    fn edit(&self, subject: &EditSubject<'_>, clip: &mut RawClip) -> Result<ClipEdited> {
+    fn edit(
+        &self,
+        character: &Character,
+        subject: &EditSubject<'_>,
+        clip: &mut RawClip,
+    ) -> Result<ClipEdited> {
         Ok(ClipEdited {
             clip: clip.name.clone(),
             trim: self.trim.map(|part| part.trim(clip)).transpose()?,
@@ -248,7 +258,10 @@ impl ClipEdits {
                 .root_motion
                 .map(|options| root_motion(subject, clip, &options))
                 .transpose()?,
-            rate: self.rate_hz.map(|rate| resample(clip, rate)).transpose()?,
+            rate: self
+                .rate_hz
+                .map(|rate| resample(character, clip, rate))
+                .transpose()?,
             reduce_keys: None,
         })
     }
@@ -355,11 +368,13 @@ fn keys(clip: &RawClip) -> usize {
     clip.channels.iter().map(|c| c.times_secs.len()).sum()
 }
 
-fn resample(clip: &mut RawClip, rate_hz: f32) -> Result<Resampled> {
+fn resample(character: &Character, clip: &mut RawClip, rate_hz: f32) -> Result<Resampled> {
     let keys_before = keys(clip);
+    let before = clip.clone();
     *clip = clip_edit::resample_keys(clip, rate_hz)?;
     Ok(Resampled {
         rate_hz,
+        resampling_mm: played_mm(character, &before, clip, rate_hz)?,
         keys_before,
         keys_after: keys(clip),
     })

@@ -6,7 +6,7 @@ use articula_build::clip_edit;
 
 impl CharacterFile {
     /// Removes the first frame of every clip: captures often begin with a frame of the rest pose.
-    /// Clips of fewer than three frames are unchanged.
+    /// Clips of fewer than three frames are unchanged. Warnings about first frames are removed.
     ///
     /// # Errors
     /// An [`Error`](crate::Error) that names the file and the malformed clip.
@@ -16,6 +16,7 @@ impl CharacterFile {
         let skipped: std::result::Result<Vec<_>, _> = skipped;
         let skipped = skipped.with_context(|| self.name())?;
         self.set_clips(skipped);
+        self.forget_first_frames();
         Ok(())
     }
 }

@@ -9,11 +9,12 @@ use super::same_joints::Twins;
 use super::same_names::Namesakes;
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, ClipProvenance, FittedClip, NameTransfer, choose};
+use crate::resampling::{ClipResampling, keyed_mm};
 use crate::work::Executor;
-use articula_build::bake;
 use articula_build::retarget::{
     RetargetFigure, RetargetOptions, RetargetReport, Retargeter, is_hands_alone, retarget_hands,
 };
+use articula_build::{bake, sampling_rate_hz};
 use articula_core::JointArticulation;
 use articula_core::source::RawClip;
 use std::borrow::Cow;
@@ -194,12 +195,17 @@ pub fn fit_clips(
             Cow::Owned(baked) => baked,
             Cow::Borrowed(_) => new,
         };
+        let resampling = match &retargeted {
+            Some(_) => Some(resampling(file, clip, options).with_context(place)?),
+            None => None,
+        };
         Ok(FittedClip {
             fit: ClipProvenance {
                 name: clip_there.name.clone(),
                 file: file.name().to_owned(),
                 from: clip.name.clone(),
                 morph_channels,
+                resampling,
                 retargeted,
                 by_name,
             },
@@ -207,6 +213,22 @@ pub fn fit_clips(
         })
     });
     fitted.collect()
+}
+
+/// How far the frames that are retargeted are from the keys of a clip.
+fn resampling(
+    file: &CharacterFile,
+    clip: &RawClip,
+    options: &AddClipsOptions,
+) -> Result<ClipResampling> {
+    let character = file.character();
+    let own = || sampling_rate_hz(clip, &character.skeleton);
+    let rate_hz = options.retarget.rate_hz.unwrap_or_else(own);
+    Ok(ClipResampling {
+        clip: clip.name.clone(),
+        rate_hz: Some(rate_hz),
+        resampling_mm: keyed_mm(character, clip, rate_hz)?,
+    })
 }
 
 /// Method by which joints of a file drive those of the character.

@@ -4,6 +4,7 @@
 
 use super::fit_finding::{FitFinding, in_words};
 use crate::open::{CharacterFile, ClipProvenance, FittedClip, NameTransfer};
+use crate::resampling::ClipResampling;
 use articula_build::retarget::{self, RetargetReport, RotationOrigin};
 use articula_core::source::Skeleton;
 use serde::Serialize;
@@ -49,6 +50,9 @@ pub struct TransferredClipReport {
     pub from: String,
     /// Duration, in seconds.
     pub duration_secs: f32,
+    /// Distance of the frames that were retargeted from the keys of the source; null if the keys were
+    /// copied.
+    pub resampling: Option<ClipResampling>,
     /// Number of morph targets and expressions that follow the source's of the same name.
     pub face: usize,
     /// Maximum angular speed of a joint relative to its parent, in degrees per second.
@@ -271,6 +275,7 @@ fn clip(skeleton: &Skeleton, from: &Skeleton, fitted: &FittedClip) -> Transferre
         name: fit.name.clone(),
         from: fit.from.clone(),
         duration_secs: fitted.clip.duration_secs,
+        resampling: fit.resampling.clone(),
         face: fit.morph_channels,
         joint_speed_max_deg_per_s: fastest.map(|(_, speed)| speed.to_degrees()),
         joint_fastest: fastest.map(|(joint, _)| name(skeleton, joint)),

@@ -2,10 +2,11 @@
 
 use crate::error::{Context, Result};
 use crate::open::{CharacterFile, GltfSource};
+use articula_build::JointScheme;
 use articula_build::joint_names::{JointMapping, MappingEvidence};
 use articula_build::{JointEdit, set_joint_scheme};
 use articula_core::hanim_table::named;
-use articula_core::{Articulation, JointArticulation, JointScheme};
+use articula_core::{Articulation, JointArticulation};
 use articula_formats::gltf::{NewJoint, OldJoint, PreparedState};
 use glam::Vec3;
 use serde::{Serialize, Serializer};

@@ -59,8 +59,9 @@ pub use written::{write, write_data};
 use crate::error::{Context, Error, Result};
 use crate::mesh_levels::{self, ShownLevelOptions, ShownLevels};
 use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
+use crate::resampling::ClipResampling;
 use crate::work::Executor;
-use articula_core::JointScheme;
+use articula_build::JointScheme;
 
 /// Options of [`convert`]; the default changes nothing.
 #[derive(Debug, Clone, Default)]
@@ -98,6 +99,9 @@ pub struct Converted {
     pub joint_scheme: Option<JointSchemeReport>,
     /// Report on the edits of each clip; empty if no edit was requested.
     pub edits: Vec<ClipEdited>,
+    /// Distance of the frames of each written clip from the keys of the file, or of the edited clip
+    /// before it was resampled.
+    pub resampling: Vec<ClipResampling>,
     /// Report on the joint reduction, if it was requested.
     pub reduction: Option<JointsReduced>,
 }
@@ -174,6 +178,8 @@ pub fn convert(
     if dropped > 0 && options.clip.is_none() {
         written.left_out.push(LossyPart::Clips(dropped));
     }
+    let resampling = written::resampling(&opened, format, options, &edits);
+    let resampling = resampling.with_context(|| &place)?;
     let clips = opened.character().clips.iter();
     Ok(Converted {
         written,
@@ -181,11 +187,17 @@ pub fn convert(
         mesh,
         joint_scheme,
         edits,
+        resampling,
         reduction,
     })
 }
 
 impl ConvertOptions {
+    #[cfg(not(feature = "streams"))]
+    fn writes_motion_stream(&self, _: Format) -> bool {
+        false
+    }
+
     /// Checks that a file of one format can be written in another with these options.
     ///
     /// # Errors

@@ -51,6 +51,13 @@ impl AfpProfile {
 }
 
 impl ConvertOptions {
+    /// Whether a file of a format holds a motion stream (ABP-2), whose clip a receiver plays as that of
+    /// an asset.
+    pub(super) fn writes_motion_stream(&self, format: Format) -> bool {
+        let is_stream = matches!(format, Format::Abp | Format::Mp4);
+        is_stream && !matches!(self.abp, Some(AbpProfile::Abp1(_)))
+    }
+
     /// Checks that a file of a format has a stream, if a profile was given.
     pub(super) fn check_profile(&self, to: Format) -> Result<()> {
         if self.abp.is_some() && !matches!(to, Format::Abp | Format::Mp4) {

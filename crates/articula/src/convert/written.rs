@@ -3,10 +3,11 @@
 //! **A new format is one arm of [`written`] and one function below it.**
 
 use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
-use super::{ConvertOptions, body, faps, joint_names, khr_character};
+use super::{ClipEdited, ConvertOptions, body, faps, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
-use articula_build::source_rate_hz;
+use crate::resampling::{ClipResampling, clip_resampling, keyed_mm};
+use articula_build::sampling_rate_hz;
 use articula_formats::gltf::Document;
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh, live_link};
@@ -64,11 +65,50 @@ pub(super) fn written(
     }
 }
 
+/// How far the frames of each written clip are from its keys; of formats that keep keys, what a change of
+/// the rate did.
+pub(super) fn resampling(
+    opened: &CharacterFile,
+    format: Format,
+    options: &ConvertOptions,
+    edits: &[ClipEdited],
+) -> Result<Vec<ClipResampling>> {
+    let character = opened.character();
+    let is_frames = match format {
+        Format::Bvh | Format::Asf | Format::Amc | Format::Abp | Format::Abpt | Format::Mp4 => true,
+        Format::Bap => opened.parameters().is_none() || opened.clips_changed(),
+        _ => false,
+    };
+    let mut all = if options.writes_motion_stream(format) {
+        clip_resampling(character)?
+    } else {
+        let measured = character.clips.iter().map(|clip| {
+            let rate_hz = is_frames.then(|| sampling_rate_hz(clip, &character.skeleton));
+            Ok(ClipResampling {
+                clip: clip.name.clone(),
+                resampling_mm: match rate_hz {
+                    Some(rate_hz) => keyed_mm(character, clip, rate_hz)?,
+                    None => 0.0,
+                },
+                rate_hz,
+            })
+        });
+        measured.collect::<Result<_>>()?
+    };
+    for (clip, edited) in all.iter_mut().zip(edits) {
+        if let Some(resampled) = &edited.rate {
+            clip.rate_hz = clip.rate_hz.or(Some(resampled.rate_hz));
+            clip.resampling_mm += resampled.resampling_mm;
+        }
+    }
+    Ok(all)
+}
+
 /// An ASF skeleton and, if there is a clip, an AMC motion; the requested one is the main file.
 fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     let clips = &opened.character().clips;
     let options = acclaim::WriteOptions {
-        rate_hz: clips.first().map_or(30.0, source_rate_hz),
+        rate_hz: rate_hz(opened),
         end_sites: opened.end_sites().to_vec(),
     };
     let clip = (!clips.is_empty()).then_some(0);
@@ -88,15 +128,19 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     })
 }
 
+/// The rate of the frames of the first clip.
+fn rate_hz(opened: &CharacterFile) -> f32 {
+    let character = opened.character();
+    match character.clips.first() {
+        Some(clip) => sampling_rate_hz(clip, &character.skeleton),
+        None => 30.0,
+    }
+}
+
 /// A BVH file of the first clip.
 fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
-    let rate_hz = opened
-        .character()
-        .clips
-        .first()
-        .map_or(30.0, source_rate_hz);
     let options = bvh::WriteOptions {
-        rate_hz,
+        rate_hz: rate_hz(opened),
         end_sites: opened.end_sites().to_vec(),
         ..bvh::WriteOptions::default()
     };

@@ -186,7 +186,7 @@ impl BufferManifest {
     }
 }
 
-/// Name of a form, as `crowd --form` has it.
+/// Name of a form.
 fn form_name(form: PaletteForm) -> &'static str {
     match form {
         PaletteForm::Matrix => "matrix",

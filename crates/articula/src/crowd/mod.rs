@@ -8,6 +8,7 @@
 //! - [`CrowdBuffers`]: what a GPU reads in a frame, as bytes (`docs/formats/crowd-buffers.md`); [`wgsl`]:
 //!   shaders that read them
 //! - [`Budget`]: derives the tolerance of the next frame from measured times, for all crowds
+//! - [`measure_scene`]: cost and error of a scene, by the clocks of the caller
 //! - [`ErrorMeter`], [`LevelTally`]: measured screen errors and statistics of the levels in use
 //!
 //! The [crate page](crate) has an example.
@@ -35,8 +36,11 @@ pub(crate) mod impostors;
 mod in_place;
 mod level_use;
 mod lod_error;
+mod measure_options;
+mod measured_scene;
 pub(crate) mod mesh_lods;
 mod morph_order;
+mod morph_use;
 #[cfg(not(feature = "flat"))]
 mod no_impostors;
 mod options;
@@ -44,11 +48,15 @@ mod palette_hash;
 mod palettes;
 mod player;
 pub(crate) mod preparation;
+mod role_errors;
 mod scene_cast;
 mod scene_file;
+mod scene_measurement;
 mod scene_player;
 mod scene_roles;
 mod share;
+mod spread;
+mod timed_scene;
 pub mod wgsl;
 
 #[cfg(not(feature = "flat"))]
@@ -69,14 +77,20 @@ pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{
     CharacterError, ErrorMeter, ErrorSample, ErrorSummary, ErrorView, NEAR_METRES, PartsError,
 };
+pub use measure_options::{FrameClocks, MeasureOptions};
+pub use measured_scene::measure_scene;
 pub use mesh_lods::MAX_MESH_LEVELS;
+pub use morph_use::{MorphLevelUse, MorphUse};
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
 pub use player::CrowdPlayer;
+pub use role_errors::RoleError;
 pub use scene_cast::{CharacterEntry, MAX_CHARACTERS, MAX_VIEWS};
 pub use scene_file::{MAX_MEMBERS, ParsedScene, write_scene};
+pub use scene_measurement::{BudgetUse, CrowdMemory, DISPLAY_HZ, PoseUse, SceneMeasurement};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
+pub use spread::Spread;
 
 pub use articula_core::crowd::{
     Budget, BudgetReport, CacheUse, Crowd, CrowdEvent, CrowdReport, CrowdSection, Culling, Detail,

@@ -302,6 +302,11 @@ impl ScenePlayer {
         })
     }
 
+    /// Poses all characters as planned.
+    pub fn evaluate(&mut self) {
+        self.crowds.iter_mut().for_each(CrowdPlayer::evaluate);
+    }
+
     fn plan_by(
         &mut self,
         dt_secs: f64,

@@ -25,7 +25,7 @@ pub use costs::{Cost, Costs};
 pub use layers::{LayerOptions, LayerReport, LayersReport, WorstVertex, layers};
 pub use methods::NamedMethod;
 pub use path::{CameraPath, PathSummary, PlayedPath};
-pub use rows::{ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};
+pub use rows::{DISTANCES_M, ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};
 pub use schedule::{
     ChangeError, ScheduleChange, ScheduleEntry, ScheduleOptions, ScheduleReport, ScheduleRow,
     play_lod_schedule, read_lod_schedule,

@@ -9,6 +9,9 @@ use articula_build::evaluate::{
 };
 use serde::Serialize;
 
+/// Distances of the tables, metres (`docs/methods/motion-lod.md`).
+pub const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
+
 /// Choice of a method's parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParameterChoice {

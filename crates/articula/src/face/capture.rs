@@ -5,7 +5,7 @@ use super::rig::{CaptureBridge, GENERIC_BRIDGE};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use articula_build::face::{FapValues, arkit_shape};
-use articula_build::source_rate_hz;
+use articula_build::sampling_rate_hz;
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
 use articula_core::fap_table::{ANGLE_UNIT, FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
 use articula_core::source::{Channel, Character, Property, RawClip, evaluate};
@@ -13,10 +13,12 @@ use articula_formats::live_link::{ANGLE_COUNT, LiveLinkClip, LiveLinkFrame};
 use articula_formats::mpeg4::fap::{FapClip, FapFrame};
 use serde::Serialize;
 
-/// FAPs of yaw, pitch and roll of the head.
-const HEAD: [usize; 3] = [49, 48, 50];
-/// FAPs of yaw and pitch of each eye, and their columns among the angles.
-const EYES: [(usize, usize); 4] = [(23, 3), (25, 4), (24, 6), (26, 7)];
+/// FAPs of yaw, pitch and roll of the head, with the signs of the capture's angles in them: a capture's
+/// yaw is towards the right of the subject and its roll towards the left, as in Unreal's left-handed
+/// space (`docs/formats/live-link.md`); FAPs are the other way round.
+const HEAD: [(usize, f32); 3] = [(49, -1.0), (48, 1.0), (50, -1.0)];
+/// FAPs of yaw and pitch of each eye, their columns among the angles, and the sign.
+const EYES: [(usize, usize, f32); 4] = [(23, 3, -1.0), (25, 4, 1.0), (24, 6, -1.0), (26, 7, 1.0)];
 
 /// How well parameters hold a capture, or blend shapes hold parameters.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -52,8 +54,8 @@ pub struct ShapeLoss {
 /// Values of the parameters of one row, not rounded.
 pub(super) fn row_values(bridge: &CaptureBridge, frame: &LiveLinkFrame) -> FapValues {
     let mut values = bridge.values(&frame.shapes);
-    for (fap, angle) in HEAD.iter().zip(frame.angles) {
-        values.set(*fap, angle / ANGLE_UNIT);
+    for ((fap, sign), angle) in HEAD.iter().zip(frame.angles) {
+        values.set(*fap, sign * angle / ANGLE_UNIT);
     }
     values
 }
@@ -144,11 +146,11 @@ pub fn faps_to_capture(clip: &FapClip) -> Result<(LiveLinkClip, CaptureReport)> 
         let mut shapes = [0.0; BLEND_SHAPE_COUNT];
         shapes.copy_from_slice(&solver.solve(values).weights);
         let mut angles = [0.0; ANGLE_COUNT];
-        for (angle, fap) in angles.iter_mut().zip(HEAD) {
-            *angle = values.get(fap) * ANGLE_UNIT;
+        for (angle, (fap, sign)) in angles.iter_mut().zip(HEAD) {
+            *angle = sign * values.get(fap) * ANGLE_UNIT;
         }
-        for (fap, angle) in EYES {
-            angles[angle] = values.get(fap) * ANGLE_UNIT;
+        for (fap, angle, sign) in EYES {
+            angles[angle] = sign * values.get(fap) * ANGLE_UNIT;
         }
         LiveLinkFrame {
             secs: f64::from(frame.number - first.number) / f64::from(clip.rate_hz),
@@ -161,7 +163,7 @@ pub fn faps_to_capture(clip: &FapClip) -> Result<(LiveLinkClip, CaptureReport)> 
         has_shapes: [true; BLEND_SHAPE_COUNT],
         frames: frames.collect(),
     };
-    let shown = |fap: &usize| bridge.moves(*fap) || HEAD.contains(fap);
+    let shown = |fap: &usize| bridge.moves(*fap) || HEAD.iter().any(|(head, _)| head == fap);
     let moves = |fap: &usize| moving[fap - LOW_FAPS.start()];
     let shape_moves = |shape: &usize| capture.frames.iter().any(|f| f.shapes[*shape] != 0.0);
     let report = CaptureReport {
@@ -201,7 +203,7 @@ fn tracks<'a>(own: &Character, clip: &'a RawClip) -> Vec<(&'a Channel, Vec<Optio
 }
 
 /// Samples the blend shapes of a clip of a character: morph targets and expressions with their
-/// names, at the rate of its keys.
+/// names, at a rate that follows its keys.
 ///
 /// # Errors
 /// [`Error::Unsupported`] that names the file, if the clip drives none.
@@ -214,7 +216,8 @@ pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<Live
         );
         return Err(Error::unsuited(what)).context(character.name());
     }
-    let rate_hz = f64::from(source_rate_hz(clip));
+    let skeleton = &character.character().skeleton;
+    let rate_hz = f64::from(sampling_rate_hz(clip, skeleton));
     let count = (f64::from(clip.duration_secs) * rate_hz).round() as usize + 1;
     let mut capture = LiveLinkClip {
         rate_hz,
@@ -243,4 +246,90 @@ pub fn capture_of_clip(character: &CharacterFile, clip: &RawClip) -> Result<Live
         });
     }
     Ok(capture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+    use proptest::prelude::*;
+
+    /// Yaw, pitch and roll of Unreal's `FRotator` of a rotation in ARKit's space, by the conversion of
+    /// quaternions and the formulas of Unreal for the angles of one.
+    fn unreal_angles(arkit: Quat) -> [f32; 3] {
+        let (x, y, z, w) = (-arkit.z, arkit.x, arkit.y, -arkit.w);
+        [
+            (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z)),
+            (2.0 * (z * x - w * y)).clamp(-1.0, 1.0).asin(),
+            (-2.0 * (w * x + y * z)).atan2(1.0 - 2.0 * (x * x + y * y)),
+        ]
+    }
+
+    proptest! {
+        #[test]
+        fn the_head_turns_as_the_face_that_was_captured(
+            yaw in -1.5f32..1.5, pitch in -1.2f32..1.2, roll in -1.0f32..1.0,
+        ) {
+            // +X is the subject's left, +Y up and +Z out of the face, in ARKit as for FAPs.
+            let of = |yaw, pitch, roll| {
+                Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch) * Quat::from_rotation_z(roll)
+            };
+            let face = of(yaw, pitch, roll);
+            let mut frame = LiveLinkFrame {
+                secs: 0.0,
+                shapes: [0.0; BLEND_SHAPE_COUNT],
+                angles: [0.0; ANGLE_COUNT],
+            };
+            frame.angles[..3].copy_from_slice(&unreal_angles(face));
+            let values = row_values(&CaptureBridge::generic(), &frame);
+            let fap = |fap: usize| values.get(fap) * ANGLE_UNIT;
+            let turned = of(fap(49), fap(48), fap(50));
+            prop_assert!(turned.angle_between(face) < 2e-3, "{turned} for {face}");
+        }
+    }
+
+    #[test]
+    fn eye_angles_and_shapes_tell_the_same_way() {
+        let steps = -4..=4;
+        let frames = steps.clone().map(|step| {
+            let mut frame = FapFrame {
+                number: (step + 4) as u32,
+                ..FapFrame::default()
+            };
+            for fap in [23, 24, 25, 26] {
+                frame.low[fap - LOW_FAPS.start()] = step * 5000;
+            }
+            frame
+        });
+        let mut clip = FapClip {
+            name: "eyes".to_owned(),
+            rate_hz: 30.0,
+            coded: [false; FAP_COUNT],
+            frames: frames.collect(),
+            bridge: None,
+        };
+        clip.coded = clip.moving();
+        let (capture, _) = faps_to_capture(&clip).unwrap();
+        let shape = |name: &str| arkit_shape(name).unwrap();
+        let difference = |more: &str, less: &str| -> Vec<f32> {
+            let (more, less) = (shape(more), shape(less));
+            capture
+                .frames
+                .iter()
+                .map(|f| f.shapes[more] - f.shapes[less])
+                .collect()
+        };
+        let angle = |column: usize| -> Vec<f32> {
+            capture.frames.iter().map(|f| f.angles[column]).collect()
+        };
+        // In captures of the app both yaws fall as the eyes look to the left, and both pitches rise as
+        // they look down.
+        let sense = |shapes: Vec<f32>, angles: Vec<f32>| -> f32 {
+            shapes.iter().zip(&angles).map(|(s, a)| s * a).sum()
+        };
+        assert!(sense(difference("eyeLookOutLeft", "eyeLookInLeft"), angle(3)) < -0.1);
+        assert!(sense(difference("eyeLookInRight", "eyeLookOutRight"), angle(6)) < -0.1);
+        assert!(sense(difference("eyeLookDownLeft", "eyeLookUpLeft"), angle(4)) > 0.1);
+        assert!(sense(difference("eyeLookDownRight", "eyeLookUpRight"), angle(7)) > 0.1);
+    }
 }

@@ -130,7 +130,7 @@ impl FaceControls {
     pub(super) fn known(figure: &Figure) -> Result<Self> {
         let what = "face: no morph target has the name of a blend shape of ARKit (jawOpen, \
                     eyeBlinkLeft, ...) no expression that of a preset of VRM (aa, blink, ...), \
-                    and no joint below the head moves a closed face, so nothing shows a face clip; convert --fat and --face-shapes make morph targets \
+                    and no joint below the head moves a closed face, so nothing shows a face clip; convert --face-shapes and --face-shapes=fat make morph targets \
                     for a closed face";
         let found = Self::of(figure.opened.character()).or_else(|| Self::of_joints(figure));
         let found = found.ok_or_else(|| Error::unsuited(what));

@@ -273,6 +273,7 @@ fn fitted(
         Cow::Borrowed(_) => made,
     };
     let fit = ClipProvenance {
+        resampling: None,
         name,
         file: file.to_owned(),
         from,

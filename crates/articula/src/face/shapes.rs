@@ -110,7 +110,7 @@ fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<F
         .clone()
         .any(|name| FapInterval::parse(name).is_some())
     {
-        let what = "face: it has a face animation table already; leave --fat out";
+        let what = "face: it has a face animation table already; leave --face-shapes=fat out";
         return Err(Error::unsuited(what));
     }
     let figure = Figure::new(opened.clone())?;

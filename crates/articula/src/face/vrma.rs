@@ -5,7 +5,7 @@ use super::frames::{face_frames, file_name, moving, rounded};
 use super::rig::GENERIC_BRIDGE;
 use crate::error::{Error, Result};
 use articula_build::face::{FaceBridge, FapValues, vrm_preset};
-use articula_build::source_rate_hz;
+use articula_build::sampling_rate_hz;
 use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
 use articula_core::source::{Channel, Character, Property, RawClip, evaluate};
 use articula_formats::gltf::Document;
@@ -76,8 +76,8 @@ pub fn faps_to_vrma(clip: &FapClip) -> Result<(Vec<u8>, CaptureReport)> {
     Ok((document.write_glb()?, report))
 }
 
-/// Turns the preset expressions that a clip drives into parameters, by the generic columns and at the
-/// rate of its keys; `None` if it drives none.
+/// Turns the preset expressions that a clip drives into parameters, by the generic columns and at a
+/// rate that follows its keys; `None` if it drives none.
 pub fn presets_to_faps(character: &Character, clip: &RawClip) -> Option<FapClip> {
     let tracks = clip.channels.iter().filter_map(|channel| {
         let is_one = channel.property == Property::Expression && !channel.times_secs.is_empty();
@@ -88,7 +88,7 @@ pub fn presets_to_faps(character: &Character, clip: &RawClip) -> Option<FapClip>
     if tracks.is_empty() {
         return None;
     }
-    let rate_hz = source_rate_hz(clip);
+    let rate_hz = sampling_rate_hz(clip, &character.skeleton);
     let count = (clip.duration_secs * rate_hz).round() as usize + 1;
     let bridge = FaceBridge::new(tracks.iter().map(|(_, column)| *column).collect());
     let frame = |number: usize| {

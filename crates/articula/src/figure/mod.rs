@@ -7,6 +7,7 @@ use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, choose};
 use crate::prepared::state::StoredState;
 use crate::prepared::stored::Stored;
+use crate::resampling::{ClipResampling, of_frames};
 use articula_build::{Asset, ClipOptions, character, rig_and_mesh};
 use articula_core::source::{Character, RawMesh};
 use articula_formats::Warning;
@@ -76,6 +77,23 @@ impl Figure {
             asset,
             state,
         })
+    }
+
+    /// Measures the clips of the figure against the keys of its file.
+    pub fn resampling(&self) -> Vec<ClipResampling> {
+        let clips = 0..self.asset.clips.len();
+        clips.map(|clip| self.resampling_of(clip)).collect()
+    }
+
+    /// Measures one clip of the figure against the keys of its file.
+    pub(crate) fn resampling_of(&self, clip: usize) -> ClipResampling {
+        let (character, asset) = (self.opened.character(), &self.asset);
+        of_frames(
+            character,
+            &asset.mesh,
+            &character.clips[clip],
+            &asset.clips[clip],
+        )
     }
 
     /// Order of the vertices in the source, for each primitive, if the document has another.

@@ -149,6 +149,17 @@ impl<'a> FramedCharacter<'a> {
         Ok(framed)
     }
 
+    /// Number of triangles of the character.
+    pub(super) fn triangles_of_character(&self) -> usize {
+        self.figure.asset.mesh.triangles.len()
+    }
+
+    /// Width and height of the picture, pixels.
+    pub(super) fn size_px(&self) -> (u32, u32) {
+        let viewport = self.shot.viewport;
+        (viewport.width_px as u32, viewport.height_px as u32)
+    }
+
     /// Returns the same view with about this many triangles, simplified by the same weights.
     ///
     /// # Errors

@@ -87,12 +87,12 @@ impl TriedTriangles {
 }
 
 /// A difference as a multiple of its bound.
-pub fn excess(worst: &WorstDifference) -> f64 {
+fn excess(worst: &WorstDifference) -> f64 {
     worst.delta_e / bound_delta_e(worst.region)
 }
 
 /// Largest local difference that a triangle count may have in a region, units of CIELAB.
-pub fn bound_delta_e(region: JudgedRegion) -> f64 {
+fn bound_delta_e(region: JudgedRegion) -> f64 {
     match region {
         JudgedRegion::Face => FACE_DELTA_E,
         JudgedRegion::Hands | JudgedRegion::Body => REST_DELTA_E,

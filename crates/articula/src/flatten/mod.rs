@@ -8,13 +8,17 @@ mod framed;
 mod head;
 mod judged;
 mod live;
+mod report;
+mod surfaces;
 
 pub use framed::{FramedCharacter, FramedParts, Shot, TriangleCount};
 pub use head::FramedHead;
-pub use judged::{
-    DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles, bound_delta_e,
-    excess,
+pub use judged::{DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles};
+pub use report::{
+    BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlattenReport,
+    LocalDifference, RepresentationReport, TriangleChoice, TriedCount, TriedSettings, WorstByPart,
 };
+pub use surfaces::surfaces_shown_otherwise;
 
 use crate::error::{Context, Result};
 use crate::work::Executor;

@@ -59,7 +59,7 @@ pub enum FaceStreamInspection {
     /// AFP-1 ([`inspect_access_units`](super::inspect_access_units)).
     Afp1(AccessUnitsInspection),
     /// AFP-2 ([`inspect_motion_stream`](super::inspect_motion_stream)).
-    Afp2(MotionStreamInspection),
+    Afp2(Box<MotionStreamInspection>),
 }
 
 /// Motion of a FAP file.

@@ -7,6 +7,7 @@ mod data;
 mod extent;
 mod human;
 mod joint_levels;
+mod listed;
 mod mesh_levels;
 mod motion_stream;
 mod mp4;
@@ -26,6 +27,7 @@ pub use human::{
 pub use joint_levels::{
     FAR_FROM_METRES, JointLevelError, JointLevelInspection, JointLevelsInspection, joint_levels,
 };
+pub use listed::{has_too_many_joints, inspect_listed};
 pub use mesh_levels::{CoarserMesh, MeshLevelInspection, MeshLevelsInspection};
 pub use motion_stream::{MotionStreamInspection, StreamGroup, StreamTier, inspect_motion_stream};
 pub use mp4::{TrackInspection, inspect_mp4};
@@ -35,6 +37,7 @@ use crate::error::Result;
 use crate::face::FaceLayout;
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
+use crate::resampling::ClipResampling;
 use crate::work::Executor;
 use articula_build::joint_names::{
     DoubtReason, JointDoubt, MappingConfidence, MappingEvidence, UnmappedReason,
@@ -43,7 +46,7 @@ use articula_build::source_rate_hz;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
 use articula_core::{Articulation, JointSet, Region};
-use articula_flat::Appearance;
+use articula_flat::{Appearance, Picture};
 use articula_formats::Assumption;
 use extent::Measure;
 use serde::Serialize;
@@ -181,6 +184,12 @@ pub struct ClipInspection {
     pub fps: f32,
     /// Number of frames at that rate.
     pub frames: usize,
+    /// Rate of the clip that is played and streamed, in frames per second; `None` if the file has more
+    /// joints than can be played.
+    pub rate_hz: Option<f32>,
+    /// Greatest displacement of the skin of that clip from the keys of the file in millimetres; of
+    /// joints where there is no mesh.
+    pub resampling_mm: Option<f64>,
     /// Number of joints of the skeletons that move; of all nodes if there is no skeleton.
     pub joints_animated: usize,
     /// Number of these joints with keys, moving or not.
@@ -434,11 +443,14 @@ fn clip_of(
     let listed = figure.asset.rig.skin_joints();
     let is_listed = |joint: usize| listed.is_empty() || listed.contains(joint);
     let fps = source_rate_hz(source);
+    let resampling = figure.resampling_of(index);
     ClipInspection {
         name: source.name.clone(),
         duration_secs: source.duration_secs,
         fps,
         frames: (source.duration_secs * fps).round() as usize + 1,
+        rate_hz: Some(built.rate_hz()),
+        resampling_mm: Some(resampling.resampling_mm),
         joints_animated: moving
             .iter()
             .filter(|j| is_listed(usize::from(**j)))
@@ -507,7 +519,10 @@ fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {
         what: w.what.clone(),
     });
     let (_, broken) = Appearance::new(&character.materials, &character.images);
-    let pictures = broken.into_iter().map(|fault| WarningInspection {
+    // The reader has warned of those of an unknown format.
+    let is_known = |image: usize| Picture::is_known_format(&character.images[image].bytes);
+    let broken = broken.into_iter().filter(|fault| is_known(fault.image));
+    let pictures = broken.map(|fault| WarningInspection {
         at: format!("images[{}]", fault.image),
         what: format!("the surface is shown in its plain colour: {}", fault.what),
     });
@@ -534,6 +549,16 @@ fn oddities(found: &Inspection, figure: &Figure) -> Vec<WarningInspection> {
                 skeleton.joints, skeleton.root
             );
             say("skeletons", what);
+        }
+    }
+    for clip in &found.clips {
+        let resampling = clip.resampling_mm.map(|resampling_mm| ClipResampling {
+            clip: clip.name.clone(),
+            rate_hz: clip.rate_hz,
+            resampling_mm,
+        });
+        if let Some(what) = resampling.and_then(|clip| clip.warning()) {
+            say("clips", what);
         }
     }
     let mut told = figure.opened.warnings().iter();

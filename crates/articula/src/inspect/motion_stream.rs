@@ -1,9 +1,9 @@
 //! Contents of a motion stream, without its character, or of a face stream.
 
 use super::{TrackInspection, WarningInspection};
-use crate::clip_streams::region_name;
+use crate::clip_streams::{AccessUnitCount, region_name};
 use crate::error::{Context, Result};
-use articula_stream::abp2::{Grouping, MotionHead, motion_map};
+use articula_stream::abp2::{Grouping, MotionHead, prefix_map};
 use articula_stream::{CutRule, StreamLimits, Unit, cut};
 use serde::Serialize;
 
@@ -36,8 +36,10 @@ pub struct MotionStreamInspection {
     pub rig_hash: String,
     /// What joints of a group have in common: `loa`, `region` or `joint`.
     pub group_by: &'static str,
-    /// Number of access units.
-    pub access_units: usize,
+    /// Whether the stream carries the skeleton.
+    pub skeleton: bool,
+    /// How many of its access units are there. Bytes of tiers and groups are of those that are whole.
+    pub access_units: AccessUnitCount,
     /// The tiers, finest first.
     pub tiers: Vec<StreamTier>,
     /// The groups that have units.
@@ -77,8 +79,8 @@ pub struct StreamGroup {
     pub bytes: Vec<usize>,
 }
 
-/// Summarises a motion stream and checks the map by which it is cut; `file` identifies the file in
-/// errors. Units are not decoded, which needs the character.
+/// Summarises a motion stream, or a prefix of one, and checks its checksums and the map by which it is
+/// cut; `file` identifies the file in errors. Units are not decoded, which needs the character.
 ///
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and the position in it.
@@ -88,12 +90,13 @@ pub fn inspect_motion_stream(
     limits: &StreamLimits,
 ) -> Result<MotionStreamInspection> {
     let head = MotionHead::open(bytes, limits).context(file)?;
-    let map = motion_map(bytes, limits).context(file)?;
+    let map = prefix_map(bytes, limits).context(file)?;
     map.check().context("map")?;
     map.check_values(bytes).context("map")?;
+    let whole = &bytes[..map.bytes() as usize];
     let tier = |tier: usize| -> Result<StreamTier> {
         let rule = CutRule::default().at_least("tier", tier as u32);
-        let cut = cut(bytes, &map, |unit| rule.keeps(unit)).context(file)?;
+        let cut = cut(whole, &map, |unit| rule.keeps(unit)).context(file)?;
         Ok(StreamTier {
             tier,
             tolerance_mm: 1e3 * head.tolerance_metres(tier),
@@ -118,7 +121,14 @@ pub fn inspect_motion_stream(
             Grouping::LoaRegion => "region",
             Grouping::Joint => "joint",
         },
-        access_units: head.access_units,
+        skeleton: map.children[0]
+            .children
+            .iter()
+            .any(|unit| unit.label == "skeleton"),
+        access_units: AccessUnitCount {
+            whole: map.children.len() - 1,
+            of: head.access_units,
+        },
         tiers: (0..head.tiers).map(tier).collect::<Result<_>>()?,
         groups: groups(&map, head.tiers),
         tracks: Vec::new(),

@@ -125,6 +125,7 @@ fn of_part(part: &ItemPart) -> Result<Vec<DidItem>> {
         let sizes = part.layers.iter().filter_map(|layer| layer.file.as_deref());
         let mime = |file: &str| match file.rsplit_once('.') {
             Some((_, "jpg")) => "image/jpeg",
+            Some((_, "webp")) => "image/webp",
             _ => "image/png",
         };
         return sizes

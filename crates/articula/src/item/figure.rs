@@ -27,7 +27,7 @@ pub(super) struct StrippedFigure {
 
 /// Makes the figure of a character with its document.
 ///
-/// Each primitive becomes one triangle without an area, each picture that is a PNG or JPEG one pixel
+/// Each primitive becomes one triangle without an area, each picture that can be decoded one pixel
 /// of its mean colour. Joints that only clips move are kept by a clip of one key at rest.
 pub(super) fn stripped(
     character: &Character,

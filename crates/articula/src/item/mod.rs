@@ -20,7 +20,7 @@
 //! - `manifest`, `part`, `check`: what an item holds, as JSON
 //! - `governed`: which units belong to which layers
 //! - `name`, `files`: names of files, and the item itself
-//! - `adapt`: from an item to one that a context asks for
+//! - `adapt`: from an item to one that a context asks for; `decision_report`: what was decided, as JSON
 //! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
 //! - `decoded_mesh`, `assemble`: from an item to a character
 //!
@@ -45,6 +45,7 @@
 mod adapt;
 mod assemble;
 mod check;
+mod decision_report;
 mod decoded_mesh;
 mod documents;
 mod face_part;
@@ -67,6 +68,7 @@ pub use adapt::{
     adapt, adapt_by_description, aqos, decide, decide_by_table,
 };
 pub use assemble::assemble;
+pub use decision_report::{DecisionReport, NextReport, PartReport};
 pub use documents::{AQOS, DID, STYLESHEET, declaration, documents, gbsd};
 pub use files::{INDEX_EXTENSION, Item, MANIFEST};
 pub use manifest::{FigureEntry, FlatEntry, Manifest, WholeFile};

@@ -204,6 +204,16 @@ impl ItemPart {
         kept
     }
 
+    /// Error in metres with all layers: of a mesh that of its finest level, since each of its layers is
+    /// measured beside coarser regions. `None` if the part has neither layers nor levels.
+    pub fn whole_error_m(&self) -> Option<f64> {
+        let finest = self.levels.iter().min_by_key(|level| level.level);
+        let layers = self.layers.iter().map(|layer| layer.error_m);
+        finest
+            .map(|level| level.error_motion_m)
+            .or_else(|| layers.reduce(f64::min))
+    }
+
     /// Bytes of the part with some of its layers.
     pub fn bytes_of(&self, kept: &[bool]) -> u64 {
         let of_layers = self.layers.iter().zip(kept).filter(|(_, kept)| **kept);

@@ -120,10 +120,10 @@ fn part(
     })?;
     let mut layers = Vec::with_capacity(sizes.files.len());
     for (size, (bytes, [width, height])) in sizes.files.into_iter().enumerate() {
-        let extension = if bytes.starts_with(b"\x89PNG") {
-            "png"
-        } else {
-            "jpg"
+        let extension = match bytes.first() {
+            Some(0x89) => "png",
+            Some(0xff) => "jpg",
+            _ => "webp",
         };
         let longer = width.max(height);
         let file = format!("textures/{stem}-{longer}.{extension}");

@@ -1,6 +1,6 @@
 //! GLB, glTF, VRM and VRM animation files, with the whole document preserved.
 
-use super::{CharacterFile, Input, motion};
+use super::{CharacterFile, Input, motion, partial_skin};
 use crate::error::Result;
 use crate::prepared::state::KeptMeshes;
 use articula_core::source::Character;
@@ -29,11 +29,12 @@ pub struct GltfSource {
 }
 
 impl GltfSource {
-    /// Splits a file into the character and its document. The joints of a motion alone are found
-    /// here, wherever its document is read.
+    /// Splits a file into the character and its document. The joints of a motion alone, and those
+    /// beside a skin over a part of a figure, are found here, wherever its document is read.
     pub(crate) fn split(file: GltfFile) -> (Character, Self) {
         let mut character = file.character;
         motion::mark_skeleton(&mut character);
+        partial_skin::mark_figure(&mut character);
         let behind = Self {
             document: file.document,
             node_of_joint: file.node_of_joint,

@@ -3,7 +3,7 @@
 use super::{CharacterFile, Format, GltfSource};
 use articula_build::joint_names::{self, JointMapping};
 use articula_core::source::{Character, RawClip};
-use articula_formats::{Warning, joint_map};
+use articula_formats::{Assumption, Warning, joint_map};
 use glam::Vec3;
 
 impl CharacterFile {
@@ -85,6 +85,12 @@ impl CharacterFile {
         (self.format, self.bytes) = (format, bytes);
         self.warnings.extend(warnings);
         self
+    }
+
+    /// Removes the warnings about first frames, which are gone.
+    pub(crate) fn forget_first_frames(&mut self) {
+        let is_of_another = |w: &Warning| w.guess != Some(Assumption::FirstFrame);
+        self.warnings.retain(is_of_another);
     }
 
     /// The file under another name.

@@ -1,6 +1,7 @@
 //! Clips that were made for a character from those of another file.
 
 use super::CharacterFile;
+use crate::resampling::ClipResampling;
 use articula_build::retarget::RetargetReport;
 use articula_core::source::RawClip;
 use std::collections::HashSet;
@@ -25,6 +26,9 @@ pub struct ClipProvenance {
     pub from: String,
     /// Number of channels of morph targets and expressions that were matched by name.
     pub morph_channels: usize,
+    /// Greatest displacement of the source's skin between the frames that were retargeted and its keys
+    /// in millimetres, and their rate per second; `None` if the keys were copied.
+    pub resampling: Option<ClipResampling>,
     /// Report of the retargeting by the H-Anim mapping.
     pub retargeted: Option<RetargetReport>,
     /// Report of the retargeting by joint names, between rigs that are not both human. If this and

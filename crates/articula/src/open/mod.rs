@@ -4,6 +4,7 @@ mod acclaim;
 mod bap;
 mod bva;
 mod bvh;
+mod clips;
 mod data;
 mod data_format;
 mod document;
@@ -19,6 +20,9 @@ mod motion_stream;
 #[cfg(not(feature = "streams"))]
 mod no_streams;
 mod options;
+mod partial_skin;
+#[cfg(feature = "flat")]
+mod pictures;
 mod size;
 #[cfg(feature = "streams")]
 mod streams;
@@ -67,6 +71,10 @@ pub struct CharacterFile {
 
 /// Opens a character, or a motion with its skeleton, from bytes.
 ///
+/// What is odd about the file is told by [`CharacterFile::warnings`]: what its reader repaired, the size
+/// of the figure, pictures that are not decoded, clips whose first frame is of another pose
+/// ([`CharacterFile::skip_first_frames`] leaves it out) or that turn each time they repeat.
+///
 /// `name` identifies the file in errors; its extension helps to detect the format. `beside`
 /// resolves relative URIs of other files (buffers, pictures).
 ///
@@ -99,6 +107,13 @@ pub fn open(
         beside,
     };
     let mut opened = format.opener()(&mut input).context(name)?;
+    #[cfg(feature = "flat")]
+    let unknown = pictures::of_unknown_format(&opened);
+    #[cfg(not(feature = "flat"))]
+    let unknown = None;
+    opened.warnings.extend(unknown);
+    let odd = clips::oddities(&opened);
+    opened.warnings.extend(odd);
     if options.unit_metres.is_none() {
         let unusual = size::unusual(&opened);
         opened.warnings.extend(unusual);

@@ -24,7 +24,7 @@ pub(super) fn mark_skeleton(character: &mut Character) {
 }
 
 /// The lowest joint of each tree with all moving joints at or below it.
-fn tops(skeleton: &Skeleton, moves: &[bool]) -> Vec<bool> {
+pub(super) fn tops(skeleton: &Skeleton, moves: &[bool]) -> Vec<bool> {
     let joints = &skeleton.joints;
     // Number of children with a moving joint at or below them.
     let mut branches = vec![0; joints.len()];

@@ -53,23 +53,29 @@ fn height_metres(articulation: &Articulation, places: &[Vec3A]) -> f32 {
     high - low
 }
 
-/// Length of the bones from the farthest joint of the legs up to the first joint that a map knows, and
-/// from there to the farthest joint of trunk and head.
+/// Length of the bones from the tops of the legs to their farthest joint, and of those of trunk and
+/// head. The way from the joint above a part to its first joint does not count, since limbs may hang
+/// from a joint at the origin.
 fn bone_metres(opened: &CharacterFile, articulation: &Articulation, places: &[Vec3A]) -> f32 {
-    let mut from_first: Vec<Option<f32>> = Vec::with_capacity(places.len());
+    let is_leg = |region: Region| matches!(region, Region::Legs | Region::Feet);
+    let is_trunk = |region: Region| matches!(region, Region::Torso | Region::Face);
+    let mut lengths = vec![0.0_f32; places.len()];
     let (mut down, mut up) = (0.0_f32, 0.0_f32);
     let joints = opened.character.skeleton.joints.iter();
     for (at, (joint, known)) in joints.zip(&articulation.joints).enumerate() {
-        let above = joint.parent.and_then(|p| {
-            let bone = places[at].distance(places[p]);
-            from_first[p].map(|length| length + bone)
-        });
-        from_first.push(above.or(known.hanim.is_some().then_some(0.0)));
-        let length = above.filter(|_| known.hanim.is_some()).unwrap_or(0.0);
+        let of_part = |region: Region| match known.region {
+            own if is_leg(own) => is_leg(region),
+            own => is_trunk(own) && is_trunk(region),
+        };
+        let above = joint
+            .parent
+            .filter(|p| of_part(articulation.joints[*p].region));
+        lengths[at] = above.map_or(0.0, |p| lengths[p] + places[at].distance(places[p]));
         match known.region {
-            Region::Legs | Region::Feet => down = down.max(length),
-            Region::Torso | Region::Face => up = up.max(length),
-            Region::Arms | Region::Pelvis | Region::Hands => {}
+            _ if known.hanim.is_none() => {}
+            region if is_leg(region) => down = down.max(lengths[at]),
+            region if is_trunk(region) => up = up.max(lengths[at]),
+            _ => {}
         }
     }
     down + up

@@ -10,6 +10,7 @@
 
 mod adapted_items;
 mod bare;
+mod case_files;
 mod convert;
 mod crowd;
 mod crowd_buffers;
@@ -17,6 +18,7 @@ mod crowd_casts;
 mod crowd_draws;
 mod crowd_faces;
 mod crowd_impostors;
+mod crowd_measured;
 mod crowd_roles;
 mod crowd_vertices;
 mod face_errors;
@@ -25,6 +27,7 @@ mod faces;
 mod items;
 mod joint_schemes;
 mod kept_faces;
+mod keys;
 mod mesh_levels;
 mod mp4;
 mod prepared;

@@ -22,7 +22,7 @@ use articula_core::{Articulation, PosedMesh, Transform, Wrap, sample_morphs};
 use articula_formats::Limits;
 use articula_formats::mpeg4::fap::{FapClip, FapFrame, Viseme};
 use articula_stream::abp1::{Abp1Options, TrackKind, unit};
-use articula_stream::abp2::MotionOptions;
+use articula_stream::abp2::{MotionHead, MotionOptions};
 use articula_stream::afp1::Afp1Options;
 use articula_stream::fba::FbaOptions;
 use articula_stream::{CutRule, FaceReadOptions, StreamLimits, Unit, cut};
@@ -397,6 +397,11 @@ fn a_motion_stream_knows_its_character() {
     let nothing = &mut |_: &str| Err("nothing lies beside it".into());
     let alone = open(&stream, "a.abp", &OpenOptions::default(), nothing);
     assert!(alone.unwrap_err().to_string().contains("--onto"));
+    // Version 1 knew the character by another hash.
+    let rig = Figure::new(file.clone()).unwrap().asset.rig.clone();
+    let head = MotionHead::open(&stream, &StreamLimits::default()).unwrap();
+    assert_eq!(head.version, 2);
+    assert!(head.rig_hash != 0 && head.rig_hash != articula_build::rig_hash(&rig));
     // A prefix shows what is there.
     let whole = file
         .decode_motion(&stream, "a.abp", &Limits::default())
@@ -412,6 +417,35 @@ fn a_motion_stream_knows_its_character() {
     assert!(
         why.contains("a.abp") && why.contains("another character"),
         "{why}"
+    );
+}
+
+#[test]
+fn a_motion_stream_opens_with_the_skeleton_that_it_carries() {
+    let file = shortened(crowd::human(), 1.0);
+    let options = MotionOptions {
+        skeleton: true,
+        ..MotionOptions::default()
+    };
+    let coded = abp2::write(file.character(), &file.articulation(), 0, &options).unwrap();
+    let nothing = &mut |_: &str| Err("nothing lies beside it".into());
+    let alone = open(&coded.bytes, "a.abp", &OpenOptions::default(), nothing).unwrap();
+    let onto = file
+        .decode_motion(&coded.bytes, "a.abp", &Limits::default())
+        .unwrap();
+    assert_eq!(alone.character().skeleton, file.character().skeleton);
+    assert_eq!(alone.character().clips, onto.character().clips);
+    let [own, given] = [alone.articulation(), file.articulation()];
+    for (a, b) in own.joints.iter().zip(&given.joints) {
+        assert_eq!((a.level, a.region), (b.level, b.region));
+    }
+    assert!(alone.warnings().is_empty());
+    let part = &coded.bytes[..coded.bytes.len() - 1];
+    let part = open(part, "a.abp", &OpenOptions::default(), nothing).unwrap();
+    assert!(
+        part.warnings()[0].what.starts_with("partial: "),
+        "{:?}",
+        part.warnings()
     );
 }
 

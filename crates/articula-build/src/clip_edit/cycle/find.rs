@@ -8,7 +8,8 @@
 
 use super::super::root_motion::trajectory::Trajectory;
 use super::super::subject::EditSubject;
-use crate::clip::{source_rate_hz, steps_at};
+use crate::clip::steps_at;
+use crate::sampling_rate::source_rate_hz;
 use articula_core::source::RawClip;
 use articula_core::{Mismatch, Region};
 use glam::{Quat, Vec3};

@@ -16,11 +16,11 @@ pub use trajectory::TrajectoryKey;
 
 use super::channel::{self, SAME_SECS};
 use super::grid::{grid, rising};
-use super::pieces::{self, ComputedJoint, JUMP_SECS, blend};
+use super::pieces::{self, ComputedJoint, blend};
 use super::similarity::Similarity;
 use super::subject::{EditSubject, Posed};
 use crate::clip::steps_at;
-use articula_core::source::{Channel, Interpolation, Property, RawClip};
+use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property, RawClip};
 use articula_core::{Mismatch, Transform, angle_between};
 use carrier::Carrier;
 use trajectory::Trajectory;

@@ -1,5 +1,6 @@
 //! The context of use as flags.
 
+use crate::arguments::{number, settings};
 use crate::files;
 use anyhow::Context as _;
 use articula::core::{Region, Zone};
@@ -42,15 +43,6 @@ pub(crate) struct ContextArgs {
     /// Error in pixels that is not seen [default: 1 with --distance-m, else 0]
     #[arg(long, value_name = "PX", value_parser = at_least_0)]
     tolerance_px: Option<f64>,
-    /// Milliseconds of each frame that are left for the character
-    #[arg(long, value_name = "MS", value_parser = at_least_0)]
-    frame_ms: Option<f64>,
-    /// Joints that the device evaluates in a millisecond
-    #[arg(long, value_name = "N", value_parser = above_0)]
-    joints_per_ms: Option<f64>,
-    /// Triangles that the device draws in a second
-    #[arg(long, value_name = "N", value_parser = above_0)]
-    triangles_per_s: Option<f64>,
     /// Finest level of articulation of the body, 0 (coarsest) to 5
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..=5))]
     loa: Option<u8>,
@@ -58,15 +50,42 @@ pub(crate) struct ContextArgs {
     /// lower, face-shoulders
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     zones: Vec<Zone>,
-    /// Finest level of articulation of the face, 0 (very low) to 3 (high)
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(0..=3))]
-    face_loa: Option<u8>,
-    /// Finest mesh level; 0 is the finest
-    #[arg(long, value_name = "L")]
-    mesh_level: Option<u32>,
     /// Form in which the character is shown [default: 3d where possible]
     #[arg(long, value_enum, value_name = "FORM")]
     modality: Option<ModalityArgument>,
+}
+
+/// The finest parts that are sent.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct FinestParts {
+    /// Finest tier of motions; 0 is the finest.
+    pub(crate) tier: u32,
+    /// Most pixels on the longer side of a texture.
+    pub(crate) texture_px: Option<u32>,
+    face_loa: Option<u8>,
+    mesh_level: Option<u32>,
+}
+
+/// Parses the finest parts that are sent.
+pub(super) fn limits(text: &str) -> Result<FinestParts, String> {
+    let whole = |text: &str| {
+        text.parse()
+            .map_err(|_| "expected a whole number".to_owned())
+    };
+    let face_loa = |text: &str| {
+        let level = text.parse().ok().filter(|level| *level <= 3);
+        level.ok_or_else(|| "expected 0 (very low) to 3 (high)".to_owned())
+    };
+    settings(text, |to: &mut FinestParts, key, value| {
+        match key {
+            "tier" => to.tier = whole(value)?,
+            "texture" => to.texture_px = Some(whole(value)?),
+            "face-loa" => to.face_loa = Some(face_loa(value)?),
+            "mesh-level" => to.mesh_level = Some(whole(value)?),
+            _ => return Ok(Some("tier, texture, face-loa, mesh-level")),
+        }
+        Ok(None)
+    })
 }
 
 impl ContextArgs {
@@ -76,17 +95,17 @@ impl ContextArgs {
     }
 
     /// The context of all files, aggregated, with what flags tell.
-    pub(crate) fn context(&self) -> anyhow::Result<Context> {
+    pub(crate) fn context(&self, finest: &FinestParts) -> anyhow::Result<Context> {
         let mut context = Context::default();
         for path in self.files() {
             context = Context::aggregate(&context, &read(path)?);
         }
-        self.add_to(&mut context);
+        self.add_to(&mut context, finest);
         Ok(context)
     }
 
     /// Sets what flags tell.
-    fn add_to(&self, context: &mut Context) {
+    fn add_to(&self, context: &mut Context, finest: &FinestParts) {
         let set = |to: &mut Option<f64>, from: Option<f64>| *to = from.or(*to);
         let network = &mut context.network;
         set(
@@ -98,9 +117,6 @@ impl ContextArgs {
             terminal.width_px = Some(width.into());
             terminal.height_px = Some(height.into());
         }
-        set(&mut terminal.frame_budget_ms, self.frame_ms);
-        set(&mut terminal.joints_per_ms, self.joints_per_ms);
-        set(&mut terminal.triangles_per_s, self.triangles_per_s);
         let view = &mut context.view;
         set(&mut view.distance_m, self.distance_m);
         set(
@@ -110,8 +126,8 @@ impl ContextArgs {
         let wanted = &mut context.preferences;
         set(&mut wanted.tolerance_px, self.tolerance_px);
         wanted.body_loa = self.loa.or(wanted.body_loa);
-        wanted.face_loa = self.face_loa.map(|loa| [loa; 8]).or(wanted.face_loa);
-        wanted.mesh_level = self.mesh_level.or(wanted.mesh_level);
+        wanted.face_loa = finest.face_loa.map(|loa| [loa; 8]).or(wanted.face_loa);
+        wanted.mesh_level = finest.mesh_level.or(wanted.mesh_level);
         if !self.zones.is_empty() {
             wanted.body_regions = Some(mask(&self.zones));
         }
@@ -154,12 +170,6 @@ pub(super) fn above_0(text: &str) -> Result<f64, String> {
 /// Parses a number from 0 on.
 fn at_least_0(text: &str) -> Result<f64, String> {
     number(text, |n| n >= 0.0, "a number from 0 on")
-}
-
-fn number(text: &str, holds: impl Fn(f64) -> bool, what: &str) -> Result<f64, String> {
-    let parsed = text.parse::<f64>().ok();
-    let allowed = parsed.filter(|n| n.is_finite() && holds(*n));
-    allowed.ok_or_else(|| format!("expected {what}"))
 }
 
 #[cfg(test)]

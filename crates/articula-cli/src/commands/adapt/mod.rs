@@ -9,15 +9,14 @@ use crate::{fault, files};
 use anyhow::Context as _;
 use articula::formats::Limits;
 use articula::item::{
-    AdaptOptions, AdaptedItem, Item, ItemCut, MANIFEST, adapt, adapt_by_description, assemble,
-    decide, decide_by_table, documents,
+    AdaptOptions, AdaptedItem, Item, ItemCut, MANIFEST, adapt, adapt_by_description, decide,
+    decide_by_table, documents,
 };
 use articula::stream::DescriptionLimits;
 use articula::stream::description::{Aqos, Context};
 use clap::{Args, ValueEnum};
-use context::ContextArgs;
+use context::{ContextArgs, FinestParts};
 use report::{AdaptReport, DECISION, Decided};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -39,24 +38,19 @@ pub(crate) struct AdaptArgs {
     /// Folder of what is sent: an item, or a form in 2D; without it the decision is only printed
     #[arg(value_name = "OUT")]
     out: Option<PathBuf>,
-    /// Also write the character that the adapted item shows
-    #[arg(long, value_name = "F.glb", requires = "out")]
-    glb: Option<PathBuf>,
     /// Time to transfer the item, in seconds; with the bandwidth it gives the bytes
     #[arg(long, value_name = "SECS", default_value_t = 2.0, value_parser = context::above_0)]
     wait_secs: f64,
     /// Most bytes to send
     #[arg(long, value_name = "BYTES")]
     max_bytes: Option<u64>,
-    /// Finest tier of motions; 0 is the finest
-    #[arg(long, value_name = "K", default_value_t = 0)]
-    tier: u32,
-    /// Most pixels on the longer side of a texture
-    #[arg(long, value_name = "PX")]
-    max_texture: Option<u32>,
+    /// Finest that is sent: tier=K of motions, face-loa=K (0, very low, to 3, high), mesh-level=L, where
+    /// 0 is the finest tier and mesh level; and texture=PX, the longer side of a texture
+    #[arg(long, value_name = "KEY=N,…", value_parser = context::limits)]
+    limit: Option<FinestParts>,
     /// Decide by a table (AQoS) in place of the joint choice: levels, region mask and tier by the
     /// bandwidth
-    #[arg(long, value_name = "F.xml", conflicts_with_all = ["max_bytes", "max_texture"])]
+    #[arg(long, value_name = "F.xml", conflicts_with = "max_bytes")]
     aqos: Option<PathBuf>,
     /// What cuts the streams; both give the same bytes
     #[arg(long, value_enum, default_value_t = Engine::Native)]
@@ -90,12 +84,17 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
     console
         .files
         .plan(args.inputs(), args.outputs().iter().map(PathBuf::as_path))?;
-    let context = args.context.context()?;
+    let finest = args.limit.unwrap_or_default();
+    if args.aqos.is_some() && (finest.texture_px.is_some() || finest.tier > 0) {
+        let what = "--limit tier and texture are of the joint choice; leave them or --aqos out";
+        return Err(fault::usage(what));
+    }
+    let context = args.context.context(&finest)?;
     let options = AdaptOptions {
         wait_secs: args.wait_secs,
         max_bytes: args.max_bytes,
-        finest_tier: args.tier,
-        max_texture_px: args.max_texture,
+        finest_tier: finest.tier,
+        max_texture_px: finest.texture_px,
         ..AdaptOptions::default()
     };
     let item = console.files.open_item(&args.item, &Limits::default())?;
@@ -113,7 +112,7 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
         [decided_secs, cut_secs],
     );
     if let Some(out) = &args.out {
-        write(args, out, &adapted, &report, console)?;
+        write(out, &adapted, &report, console)?;
     }
     console.result(&report, AdaptReport::text)
 }
@@ -159,55 +158,23 @@ impl AdaptArgs {
 
     fn outputs(&self) -> Vec<PathBuf> {
         let out = self.out.iter().filter(|out| out.is_dir());
-        let marks = out.flat_map(|out| [out.join(MANIFEST), out.join(DECISION)]);
-        marks.chain(self.glb.clone()).collect()
+        out.flat_map(|out| [out.join(MANIFEST), out.join(DECISION)])
+            .collect()
     }
 }
 
-/// Writes what is sent, the decision about it, and the character that it shows.
+/// Writes what is sent, and the decision about it.
 fn write(
-    args: &AdaptArgs,
     out: &Path,
     adapted: &AdaptedItem,
     report: &AdaptReport,
     console: &Console,
 ) -> anyhow::Result<()> {
-    let mut written: Vec<(PathBuf, Vec<u8>)> = match adapted {
+    let mut written: Vec<(String, Vec<u8>)> = match adapted {
         AdaptedItem::Layers(item) => item.files().into_iter().chain(documents(item)?).collect(),
         AdaptedItem::Flat { files, .. } => files.clone(),
-    }
-    .into_iter()
-    .map(|(name, bytes)| (out.join(name), bytes))
-    .collect();
-    written.push((out.join(DECISION), serde_json::to_vec_pretty(report)?));
-    match (&args.glb, adapted) {
-        (Some(path), AdaptedItem::Layers(item)) => written.push((path.clone(), glb(item)?)),
-        (Some(path), AdaptedItem::Flat { entry, .. }) => {
-            let what = format!(
-                "--glb {}: the decision fell to {}, which is no GLB; allow more bytes",
-                files::shown(path),
-                entry.modality
-            );
-            anyhow::bail!(what);
-        }
-        (None, _) => {}
-    }
-    console.files.make_folder(out)?;
-    let folders: BTreeSet<&Path> = written
-        .iter()
-        .filter_map(|(path, _)| path.parent())
-        .filter(|folder| folder.starts_with(out))
-        .collect();
-    for folder in folders {
-        console.files.make_folder(folder)?;
-    }
-    console.files.write_all(&written)?;
+    };
+    written.push((DECISION.to_owned(), serde_json::to_vec_pretty(report)?));
+    files::write_folder(&console.files, out, written)?;
     Ok(())
-}
-
-/// The character that an item shows, as GLB.
-fn glb(item: &Item) -> anyhow::Result<Vec<u8>> {
-    let opened = assemble(item, &Default::default())?;
-    let written = articula::convert::write(&opened, articula::Format::Glb)?;
-    Ok(written.bytes)
 }

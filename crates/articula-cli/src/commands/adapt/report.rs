@@ -3,9 +3,7 @@
 use super::Engine;
 use crate::fault::clean;
 use crate::table::Table;
-use articula::core::Region;
-use articula::item::{AdaptedItem, Item, ItemCut, ItemDecision};
-use articula::stream::decide::{Bound, Budget, PartDecision, PartKind};
+use articula::item::{AdaptedItem, DecisionReport, Item, ItemCut, ItemDecision};
 use serde::Serialize;
 
 /// Name of the file with the decision, in the folder of what is sent.
@@ -61,53 +59,6 @@ pub(crate) struct AdaptReport {
 }
 
 #[derive(Debug, Serialize)]
-struct DecisionReport {
-    /// `3d`, or the kind of the form in 2D.
-    modality: String,
-    /// `joint choice` or `aqos`.
-    by: &'static str,
-    loa: Option<u32>,
-    /// Regions of the body whose motion is kept.
-    zones: Vec<String>,
-    tier: Option<u32>,
-    face_loa: Option<u32>,
-    mesh_level: Option<u32>,
-    texture: Option<String>,
-    /// Bound of the error on the screen; null if nothing fits.
-    error_px: Option<f64>,
-    /// Bytes that may be sent in all; null without a bound.
-    bytes_allowed: Option<u64>,
-    pixels_per_metre: Option<f64>,
-    /// Share of the item that the network carries in the time; null without a bandwidth.
-    network_ratio: Option<f64>,
-    /// What keeps the error from being smaller.
-    bounds: Vec<String>,
-    parts: Vec<PartReport>,
-    /// The decision in words.
-    explanation: String,
-}
-
-#[derive(Debug, Serialize)]
-struct PartReport {
-    part: String,
-    option: String,
-    bytes: u64,
-    frame_ns: u64,
-    error_px: f64,
-    /// The upgrade that gains most for its cost.
-    next: Option<NextReport>,
-}
-
-#[derive(Debug, Serialize)]
-struct NextReport {
-    option: String,
-    more_bytes: i64,
-    more_frame_ns: i64,
-    gain_px: f64,
-    bounds: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
 struct StreamReport {
     name: String,
     bytes_in: u64,
@@ -142,7 +93,10 @@ impl AdaptReport {
                 Engine::Native => "native",
                 Engine::Xslt => "xslt",
             },
-            decision: DecisionReport::new(decided, adapted),
+            decision: match decided {
+                Decided::Jointly(joint) => DecisionReport::of_choice(joint, adapted),
+                Decided::ByTable(table, _) => DecisionReport::of_table(table, adapted),
+            },
             streams: streams.collect(),
             bytes_in: item.bytes(),
             bytes_out: adapted.bytes(),
@@ -181,103 +135,6 @@ impl AdaptReport {
 
 fn sizes(files: Vec<(&str, u64)>) -> Vec<(String, u64)> {
     files.into_iter().map(|(n, b)| (n.to_owned(), b)).collect()
-}
-
-impl DecisionReport {
-    fn new(decided: &Decided, adapted: &AdaptedItem) -> Self {
-        match decided {
-            Decided::Jointly(joint) => Self::of_choice(joint, adapted),
-            Decided::ByTable(table, _) => Self::of_table(table, adapted),
-        }
-    }
-
-    /// What a table says, by the names of the pins of an item's own.
-    fn of_table(table: &articula::stream::description::Decided, adapted: &AdaptedItem) -> Self {
-        let of = |pin: &str| table.values.get(pin).map(|value| *value as u32);
-        Self {
-            modality: "3d".to_owned(),
-            by: "aqos",
-            loa: of(articula::stream::description::LAYERS),
-            zones: zones(adapted),
-            tier: of("TIER"),
-            face_loa: of("FACE_LEVELS").map(|digits| digits / 10_000_000),
-            mesh_level: of("MESH_LEVEL"),
-            texture: None,
-            error_px: None,
-            bytes_allowed: None,
-            pixels_per_metre: None,
-            network_ratio: None,
-            bounds: Vec::new(),
-            parts: Vec::new(),
-            explanation: table.reasons.join("\n"),
-        }
-    }
-
-    fn of_choice(decided: &ItemDecision, adapted: &AdaptedItem) -> Self {
-        let decision = &decided.decision;
-        let body = decided.chosen(PartKind::BodyMotion);
-        let budget = decision.request.budget.bytes;
-        Self {
-            modality: decision.modality.clone(),
-            by: "joint choice",
-            loa: body.and_then(|option| option.loa),
-            zones: zones(adapted),
-            tier: body.map(|option| option.level),
-            face_loa: decided
-                .chosen(PartKind::FaceMotion)
-                .and_then(|option| option.loa),
-            mesh_level: decided.chosen(PartKind::Mesh).map(|option| option.level),
-            texture: decided
-                .chosen(PartKind::Texture)
-                .map(|option| option.name.clone()),
-            error_px: decision.error_px.is_finite().then_some(decision.error_px),
-            bytes_allowed: (budget < Budget::UNBOUNDED).then_some(budget + decided.bytes_always),
-            pixels_per_metre: Some(decision.request.pixels_per_metre),
-            network_ratio: decided.network_ratio,
-            bounds: words(&decision.bounds),
-            parts: decision.parts.iter().map(PartReport::new).collect(),
-            explanation: decision.to_string(),
-        }
-    }
-}
-
-impl PartReport {
-    fn new(part: &PartDecision) -> Self {
-        let next = part.next.as_ref().map(|next| NextReport {
-            option: next.option_name.clone(),
-            more_bytes: next.more_bytes,
-            more_frame_ns: next.more_frame_ns,
-            gain_px: next.gain_px,
-            bounds: words(&next.bounds),
-        });
-        Self {
-            part: part.name.clone(),
-            option: part.option_name.clone(),
-            bytes: part.bytes,
-            frame_ns: part.frame_ns,
-            error_px: part.error_px,
-            next,
-        }
-    }
-}
-
-fn words(bounds: &[Bound]) -> Vec<String> {
-    bounds.iter().map(ToString::to_string).collect()
-}
-
-/// Names of the regions of the body that the motions of an adapted item have.
-fn zones(adapted: &AdaptedItem) -> Vec<String> {
-    let AdaptedItem::Layers(item) = adapted else {
-        return Vec::new();
-    };
-    let parts = item.manifest.parts.iter();
-    let bodies = parts.filter(|p| p.kind == articula::item::PartKind::BodyMotion);
-    let numbers: Vec<u32> = bodies
-        .flat_map(|part| part.regions.iter().map(|region| region.number))
-        .collect();
-    let numbered = Region::ALL.into_iter().zip(1..);
-    let named = numbered.filter(|(_, number)| numbers.contains(number));
-    named.map(|(region, _)| region.to_string()).collect()
 }
 
 /// Joints that the motions of an adapted item move at most.

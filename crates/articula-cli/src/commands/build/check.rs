@@ -4,7 +4,7 @@ use super::BuildArgs;
 use crate::console::Console;
 use crate::fault::clean;
 use crate::open;
-use crate::table::Table;
+use crate::table::{Table, warnings};
 use crate::{fault, files};
 use articula::{CheckedPart, PartState, check_prepared};
 use serde::Serialize;
@@ -69,9 +69,7 @@ impl CheckReport {
             self.bytes,
             table.text()
         );
-        for warning in &self.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
-        }
+        text.push_str(&warnings(&self.warnings));
         text
     }
 }

@@ -1,83 +1,7 @@
-//! The report of `build` about mesh levels.
+//! The report of `build` about mesh levels for people.
 
 use crate::table::{Table, counted, millimetres};
-use articula::CodedMeshLevels;
-use serde::Serialize;
-
-/// One level in the JSON report. Errors are null for a level without triangles.
-#[derive(Debug, Serialize)]
-pub(crate) struct Level {
-    /// Number of the level; 0 is the finest.
-    level: usize,
-    pub(crate) triangles: u64,
-    pub(crate) vertices: u64,
-    /// Maximum distance from the original surface to the level at rest, metres.
-    pub(crate) error_rest_m: Option<f32>,
-    /// The same over poses that were not used for simplification.
-    pub(crate) error_motion_m: Option<f32>,
-    error_motion_p99_m: Option<f32>,
-    error_motion_mean_m: Option<f32>,
-    /// Bytes of this level coded alone.
-    pub(crate) bytes_direct: usize,
-    /// Bytes that this level adds to the next coarser one in the stream.
-    pub(crate) bytes_added: usize,
-    /// Number of index ranges that show the level, over all parts.
-    ranges: usize,
-}
-
-/// Bytes of all levels together.
-#[derive(Debug, Serialize)]
-pub(crate) struct Bytes {
-    /// The whole stream: its header and the additions of every level.
-    pub(crate) clustered: usize,
-    /// The finest level, coded alone.
-    pub(crate) finest_alone: usize,
-    /// Sum of all levels, each coded alone.
-    pub(crate) discrete_sum: usize,
-    /// The meshes in the asset, not coded: vertices once, triangles of all levels.
-    pub(crate) store: usize,
-}
-
-/// The levels, finest first.
-pub(crate) fn levels(made: &CodedMeshLevels) -> Vec<Level> {
-    let finite = |metres: f32| metres.is_finite().then_some(metres);
-    let rows = made.levels.table.levels.iter().enumerate();
-    rows.map(|(l, row)| Level {
-        level: l,
-        triangles: row.triangles,
-        vertices: row.vertices,
-        error_rest_m: finite(row.rest.max_metres),
-        error_motion_m: finite(row.motion.max_metres),
-        error_motion_p99_m: finite(row.motion.p99_metres),
-        error_motion_mean_m: finite(row.motion.mean_metres),
-        bytes_direct: made.stream.direct[l],
-        bytes_added: made.stream.chunks[l],
-        ranges: made
-            .levels
-            .objects
-            .iter()
-            .map(|o| o.clusters.ranges(l).count())
-            .sum(),
-    })
-    .collect()
-}
-
-/// Sizes of the levels; `store` is the size of the meshes in the document.
-pub(crate) fn bytes(made: &CodedMeshLevels, store: usize) -> Bytes {
-    let direct = &made.stream.direct;
-    Bytes {
-        clustered: made.stream.bytes.len(),
-        finest_alone: direct.first().copied().unwrap_or(0),
-        discrete_sum: direct.iter().sum(),
-        store,
-    }
-}
-
-/// Number of poses on which errors in motion were measured.
-pub(crate) fn poses_measured(made: &CodedMeshLevels) -> usize {
-    let on = made.levels.measured;
-    on.clips + on.bends + on.morphs
-}
+use articula::{CodedMeshLevels, MeshLevelBytes, MeshLevelRow};
 
 /// Describes the poses on which errors in motion were measured.
 pub(crate) fn measured(made: &CodedMeshLevels) -> String {
@@ -98,7 +22,7 @@ pub(crate) fn measured(made: &CodedMeshLevels) -> String {
 }
 
 /// Formats the levels for people.
-pub(crate) fn text(levels: &[Level], bytes: &Bytes, measured: &str) -> String {
+pub(crate) fn text(levels: &[MeshLevelRow], bytes: &MeshLevelBytes, measured: &str) -> String {
     let mut table = Table::new(&[
         "level",
         "triangles",

@@ -10,15 +10,15 @@ use crate::arguments::{ReadArgs, skin_millimetres};
 use crate::console::Console;
 use crate::fault::clean;
 use crate::open;
-use crate::table::{Table, counted};
+use crate::table::{Table, counted, warnings};
 use crate::{fault, files};
 use anyhow::Context;
 use arguments::MeshLevelArgs;
 use articula::convert::ClipProvenance;
 use articula::stream::abp2::MotionOptions;
 use articula::{
-    AddClipsOptions, CharacterFile, ClipTables, Format, PartBytes, PrepareOptions, PreparedAsset,
-    PreparedPart, prepare,
+    AddClipsOptions, CharacterFile, ClipResampling, ClipTables, CodedMeshLevels, Format,
+    MeshLevelBytes, MeshLevelRow, PartBytes, PrepareOptions, PreparedAsset, PreparedPart, prepare,
 };
 use clap::Args;
 use compact::CompactClip;
@@ -79,14 +79,16 @@ struct BuildReport {
     /// Files whose clips were added.
     added: Vec<Added>,
     /// Mesh levels, finest first; empty unless asked for.
-    levels: Vec<levels::Level>,
+    levels: Vec<MeshLevelRow>,
     /// Sizes of the mesh levels.
-    bytes: Option<levels::Bytes>,
+    bytes: Option<MeshLevelBytes>,
     /// Number of poses on which errors in motion were measured.
     poses_measured: Option<usize>,
     #[serde(skip)]
     measured: String,
     mesh_stream: Option<String>,
+    /// Distance of the frames of each clip from the keys of its file.
+    resampling: Vec<ClipResampling>,
     warnings: Vec<String>,
 }
 
@@ -143,10 +145,15 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         face_points: Vec::new(),
     };
     console.files.plan(args.inputs(inputs), args.outputs(out))?;
-    let mut files = inputs
+    let (character, motions) = inputs.split_first().context("no character was named")?;
+    // With motions, the clips of the character itself stay as they are.
+    let mut opened = match motions.is_empty() {
+        true => open::motion(&console.files, character, &args.names)?,
+        false => open::character(&console.files, character, &args.names)?,
+    };
+    let files = motions
         .iter()
-        .map(|p| open::character(&console.files, p, &args.names));
-    let mut opened = files.next().context("no character was named")??;
+        .map(|p| open::motion(&console.files, p, &args.names));
     let motions: Vec<CharacterFile> = files.collect::<Result<_, _>>()?;
     if let Some(path) = &args.face_points {
         options.face_points = open::face_points(&opened, path)?;
@@ -234,6 +241,7 @@ impl BuildReport {
             })
         };
         let clips = built.tables.iter().enumerate().map(clip);
+        let resampling = figure.resampling();
         Ok(Self {
             input: figure.opened.name().to_owned(),
             out: files::shown(out),
@@ -248,17 +256,19 @@ impl BuildReport {
             face_points: built.face_points,
             face_points_kept: made.and_then(|l| Some(l.face.as_ref()?.points)),
             added: Vec::new(),
-            levels: made.map(levels::levels).unwrap_or_default(),
-            bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
-            poses_measured: made.map(levels::poses_measured),
+            levels: made.map(CodedMeshLevels::rows).unwrap_or_default(),
+            bytes: made.map(|l| l.sizes(built.mesh_bytes)),
+            poses_measured: made.map(CodedMeshLevels::poses_measured),
             measured: made.map(levels::measured).unwrap_or_default(),
             mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
             warnings: {
                 let of_levels = made.map(|l| l.warnings.clone()).unwrap_or_default();
                 let mut warnings = open::warnings(figure.opened.warnings());
+                warnings.extend(resampling.iter().filter_map(ClipResampling::warning));
                 warnings.extend(of_levels);
                 warnings
             },
+            resampling,
         })
     }
 
@@ -334,9 +344,7 @@ impl BuildReport {
         if let Some(stream) = &self.mesh_stream {
             text.push_str(&format!("mesh level stream: {}\n", clean(stream)));
         }
-        for warning in &self.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
-        }
+        text.push_str(&warnings(&self.warnings));
         text
     }
 }

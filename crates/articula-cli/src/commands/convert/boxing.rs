@@ -19,11 +19,11 @@ type Part = (String, Vec<u8>);
 /// Whether a single stream is to be written as it is: into an MP4 file, or out of one. With a flag that
 /// changes it, it is a motion like any other.
 pub(super) fn is_meant(args: &ConvertArgs) -> anyhow::Result<bool> {
-    let [input] = &args.inputs[..] else {
+    let [input] = args.sources() else {
         return Ok(false);
     };
     let is_stream = |path: &Path| {
-        let extension = extension(path);
+        let extension = files::extension(path);
         StreamKind::ALL
             .iter()
             .any(|kind| kind.extension() == extension)
@@ -32,24 +32,24 @@ pub(super) fn is_meant(args: &ConvertArgs) -> anyhow::Result<bool> {
     if input.is_dir() || args.changes_motions() || !(boxed || is_stream(input)) {
         return Ok(false);
     }
-    if is_mp4(&args.out) {
+    if is_mp4(args.out()) {
         return Ok(true);
     }
-    let wanted = extension(&args.out);
+    let wanted = files::extension(args.out());
     let has = |kinds: Vec<StreamKind>| kinds.iter().any(|kind| kind.extension() == wanted);
-    Ok(boxed && is_stream(&args.out) && open::streams_in(input)?.is_some_and(has))
+    Ok(boxed && is_stream(args.out()) && open::streams_in(input)?.is_some_and(has))
 }
 
 /// Writes the file.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    let input = &args.inputs[0];
+    let input = &args.sources()[0];
     let place = files::shown(input);
-    console.files.plan(args.inputs(), [args.out.as_path()])?;
+    console.files.plan(args.inputs(), [args.out()])?;
     let limits = Limits::default();
     let read = console.files.read(input, limits.bytes)?;
     let bytes_in = read.len();
-    let out = extension(&args.out);
-    let (written, left_out) = if is_mp4(&args.out) {
+    let out = files::extension(args.out());
+    let (written, left_out) = if is_mp4(args.out()) {
         let left_out = foreign_tracks(&place, &read, &limits)?;
         let parts = with(args, &console.files, (place.clone(), read))?;
         (parts, left_out)
@@ -60,11 +60,11 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         let left_out = taken.warnings();
         (taken.bytes, left_out)
     };
-    console.files.write(&args.out, &written)?;
+    console.files.write(args.out(), &written)?;
     let report = ConvertReport {
-        out: files::shown(&args.out),
-        format_in: extension(input),
-        format_out: format_name(&args.out),
+        out: files::shown(args.out()),
+        format_in: files::extension(input),
+        format_out: format_name(args.out()),
         bytes_in,
         bytes_out: written.len(),
         clips: clips(&written, &place, &limits)?,
@@ -77,12 +77,12 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
 
 /// Refuses `--with` for files that hold one stream.
 pub(super) fn check(args: &ConvertArgs) -> anyhow::Result<()> {
-    if args.with.is_empty() || is_mp4(&args.out) {
+    if args.with.is_empty() || is_mp4(args.out()) {
         return Ok(());
     }
     Err(fault::usage(format!(
         "{}: --with requires an .mp4 output, which holds several streams",
-        files::shown(&args.out)
+        files::shown(args.out())
     )))
 }
 
@@ -139,12 +139,6 @@ fn clips(bytes: &[u8], place: &str, limits: &Limits) -> anyhow::Result<Vec<Strin
 /// Whether a file is named as an MP4 file.
 pub(super) fn is_mp4(path: &Path) -> bool {
     files::format(path) == Some(Format::Mp4)
-}
-
-/// The extension of a file in lower case.
-fn extension(path: &Path) -> String {
-    let extension = path.extension().unwrap_or_default();
-    extension.to_string_lossy().to_lowercase()
 }
 
 fn format_name(path: &Path) -> &'static str {

@@ -18,18 +18,18 @@ use std::path::Path;
 /// Whether the input or output is named as a file of facial data that is to be written; with a
 /// character, such a file is a motion like any other.
 pub(super) fn is_meant(args: &ConvertArgs) -> anyhow::Result<bool> {
-    let only = args.inputs.len() == 1 && args.onto.is_none();
-    Ok(files::data_format(&args.out).is_some() || only && format_in(args)?.is_some())
+    let only = args.sources().len() == 1 && args.onto.is_none();
+    Ok(files::data_format(args.out()).is_some() || only && format_in(args)?.is_some())
 }
 
 /// The format of the input, if it has no character. Of the streams of an MP4 file that of a face is
 /// meant if the output is one of a face, else the first.
 fn format_in(args: &ConvertArgs) -> anyhow::Result<Option<DataFormat>> {
-    let input = &args.inputs[0];
+    let input = &args.sources()[0];
     if input.is_dir() {
         return Ok(None);
     }
-    if files::data_format(&args.out).is_some_and(DataFormat::animates_a_face)
+    if files::data_format(args.out()).is_some_and(DataFormat::animates_a_face)
         && let Some(streams) = open::streams_in(input)?
     {
         let has_face = streams.iter().any(|kind| kind.is_of_face());
@@ -40,10 +40,10 @@ fn format_in(args: &ConvertArgs) -> anyhow::Result<Option<DataFormat>> {
 
 /// The format of the output, if it holds data of a face.
 fn format_out(args: &ConvertArgs) -> Option<DataFormat> {
-    if boxing::is_mp4(&args.out) {
+    if boxing::is_mp4(args.out()) {
         return Some(DataFormat::Mp4);
     }
-    files::data_format(&args.out)
+    files::data_format(args.out())
 }
 
 /// What was read: a face clip, and what is reported about its file.
@@ -71,12 +71,12 @@ impl FaceSource {
 
 /// Writes a face clip; anything else is refused with a hint at what is possible.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    if files::format(&args.out) == Some(Format::Vrma) {
+    if files::format(args.out()) == Some(Format::Vrma) {
         return vrma(args, console);
     }
     let format = check(args)?;
-    let input = &args.inputs[0];
-    console.files.plan(args.inputs(), [args.out.as_path()])?;
+    let input = &args.sources()[0];
+    console.files.plan(args.inputs(), [args.out()])?;
     let source = match format_in(args)? {
         Some(own) => {
             let opened = open::data(input, own, &args.names)?;
@@ -125,7 +125,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     if !args.with.is_empty() {
         bytes = boxing::with(args, &console.files, (place.clone(), bytes))?;
     }
-    console.files.write(&args.out, &bytes)?;
+    console.files.write(args.out(), &bytes)?;
     let clips = match &data {
         Data::Fap(clip) => vec![clip.name.clone()],
         _ => Vec::new(),
@@ -133,7 +133,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let left_out = written.left_out.iter();
     let report = ConvertReport {
         input: place,
-        out: files::shown(&args.out),
+        out: files::shown(args.out()),
         format_in: source.format.to_owned(),
         format_out: format.name(),
         bytes_in: source.bytes,
@@ -153,7 +153,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
 
 /// Writes a face clip as a VRM animation.
 fn vrma(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    let input = &args.inputs[0];
+    let input = &args.sources()[0];
     let place = files::shown(input);
     let format = format_in(args)?;
     let Some(own) = format.filter(|f| f.animates_a_face()) else {
@@ -161,7 +161,7 @@ fn vrma(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         return Err(fault::usage(format!("{place}: {advice}")));
     };
     check_flags(args, &place)?;
-    console.files.plan(args.inputs(), [args.out.as_path()])?;
+    console.files.plan(args.inputs(), [args.out()])?;
     let opened = open::data(input, own, &args.names)?;
     let clip = match opened.data {
         Data::LiveLink(capture) => {
@@ -174,10 +174,10 @@ fn vrma(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     };
     let (clip, face_level) = face_level::applied(clip, args, expand_face);
     let (bytes, report) = faps_to_vrma(&clip).with_context(|| place.clone())?;
-    console.files.write(&args.out, &bytes)?;
+    console.files.write(args.out(), &bytes)?;
     let report = ConvertReport {
         input: place,
-        out: files::shown(&args.out),
+        out: files::shown(args.out()),
         format_in: own.name().to_owned(),
         format_out: Format::Vrma.name(),
         bytes_in: opened.bytes,
@@ -237,7 +237,7 @@ fn of_character(args: &ConvertArgs, input: &Path, console: &Console) -> anyhow::
 
 /// The format to write, if it is one that can be written and no other flags are given.
 fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
-    let [input] = &args.inputs[..] else {
+    let [input] = args.sources() else {
         return Err(fault::usage("a face clip is written from one file"));
     };
     let place = files::shown(input);

@@ -17,7 +17,7 @@ pub(super) fn check(args: &ConvertArgs) -> anyhow::Result<()> {
     if args.face_level.is_none() {
         return Ok(());
     }
-    for path in &args.inputs {
+    for path in args.sources() {
         if path.is_dir() || open::data_format(path)?.is_some_and(DataFormat::has_faps) {
             return Ok(());
         }

@@ -1,27 +1,33 @@
-//! `convert --face-shapes` and `--fat`: morph targets for a face, made from its feature points.
+//! `convert --face-shapes`: morph targets for a face, made from its feature points.
 
 use crate::open::face_points;
 use articula::CharacterFile;
 use articula::face::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
 /// Flags about the morph targets of a face.
 #[derive(Debug, Clone, Default, Args)]
 pub(super) struct FaceShapeArgs {
-    /// Give the face the blend shapes of ARKit, made from its feature points; with --onto, the face of
-    /// that character
-    #[arg(long, group = "made_face")]
-    face_shapes: bool,
-    /// Give the face a face animation table, made from its feature points, as morph targets of single
-    /// parameters, and drive FAP clips by it even if the face has blend shapes; with --onto, the face
-    /// of that character
-    #[arg(long, group = "made_face")]
-    fat: bool,
-    /// With --face-shapes or --fat: feature points that are known, as JSON or in an FDP file for this
-    /// mesh; see inspect --face
-    #[arg(long, value_name = "F.json|F.fdp", requires = "made_face")]
+    /// Give the face morph targets, made from its feature points; with --onto, the face of that
+    /// character [default without a value: arkit]
+    #[arg(long, value_enum, value_name = "KIND", num_args = 0..=1, require_equals = true,
+          default_missing_value = "arkit")]
+    face_shapes: Option<ShapesName>,
+    /// With --face-shapes: feature points that are known, as JSON or in an FDP file for this mesh; see
+    /// inspect --face
+    #[arg(long, value_name = "F.json|F.fdp", requires = "face_shapes")]
     face_points: Option<PathBuf>,
+}
+
+/// Morph targets to make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ShapesName {
+    /// The blend shapes of ARKit
+    Arkit,
+    /// A face animation table: morph targets of single parameters, which drive FAP clips even if the
+    /// face has blend shapes
+    Fat,
 }
 
 /// What was made for a face.
@@ -39,23 +45,22 @@ impl FaceShapeArgs {
 
     /// Whether morph targets are asked for.
     pub(super) fn asks(&self) -> bool {
-        self.face_shapes || self.fat
+        self.face_shapes.is_some()
     }
 
     /// Adds the morph targets, if they are asked for.
     pub(super) fn add(&self, opened: &mut CharacterFile) -> anyhow::Result<MadeFace> {
         let mut made = MadeFace::default();
-        if !self.asks() {
+        let Some(name) = self.face_shapes else {
             return Ok(made);
-        }
+        };
         let given = match &self.face_points {
             Some(path) => face_points(opened, path)?,
             None => Vec::new(),
         };
-        if self.fat {
-            made.table = Some(add_face_table(opened, &given)?);
-        } else {
-            made.shapes = Some(add_face_shapes(opened, &given)?);
+        match name {
+            ShapesName::Arkit => made.shapes = Some(add_face_shapes(opened, &given)?),
+            ShapesName::Fat => made.table = Some(add_face_table(opened, &given)?),
         }
         Ok(made)
     }
@@ -101,7 +106,7 @@ fn doubt(units: &[String]) -> String {
         return String::new();
     }
     format!(
-        "  points may be wrong ({} unusual): look at them with inspect --face-sheet, and give the \
+        "  points may be wrong ({} unusual): look at them with inspect --write face-sheet=F.png, and give the \
          right ones with --face-points\n",
         units.join(", ")
     )

@@ -8,7 +8,7 @@ use articula::convert::{
     ClipEdited, ClipEdits, ClipPart, CloseOptions, KeysReduced, Looped, ReduceOptions,
     RootMotionEdited, RootMotionMode, RootMotionOptions,
 };
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 /// Cleaning of clips.
 #[derive(Debug, Clone, Default, Args)]
@@ -16,57 +16,34 @@ pub(super) struct HygieneArgs {
     /// Keep an interval of each clip, in seconds: 1.5..3, ..3 or 2..
     #[arg(long, value_name = "FROM..TO", value_parser = part)]
     trim: Option<ClipPart>,
-    /// Keep the part of each clip that loops best, and close its seam
-    #[arg(long = "loop")]
-    looped: bool,
-    /// With --loop: blend duration at either end, in seconds [default: half of the loop]
-    #[arg(long, value_name = "SECS", value_parser = arguments::positive, requires = "looped")]
-    loop_window: Option<f32>,
-    /// Handling of the root motion (horizontal motion and heading of the hips): reported only,
-    /// moved to a joint above them, or removed
-    #[arg(long, value_name = "MODE", value_enum)]
-    root_motion: Option<RootMode>,
-    /// With --root-motion: leave sway shorter than this, in seconds, to the hips
-    #[arg(long, value_name = "SECS", value_parser = arguments::positive, requires = "root_motion")]
-    root_smooth: Option<f32>,
+    /// Keep the part of each clip that loops best, and close its seam, blended over SECS at either end
+    /// [default: half of the loop]
+    #[arg(long = "loop", value_name = "SECS", num_args = 0..=1, require_equals = true,
+          value_parser = arguments::positive)]
+    looped: Option<Option<f32>>,
+    /// Handling of the root motion (horizontal motion and heading of the hips): keep, which reports
+    /// it; extract, to a joint above them; or in-place, which removes it; with :SECS, sway shorter than
+    /// that is left to the hips
+    #[arg(long, value_name = "MODE[:SECS]", value_parser = root_motion)]
+    root_motion: Option<RootMotionOptions>,
     /// Resample every channel at this rate, in hertz
     #[arg(long, value_name = "HZ", value_parser = arguments::positive)]
     rate: Option<f32>,
-    /// Drop keys while no joint and no skin moves by more than this distance: 0.001, 1mm or 0.1cm
-    #[arg(long, value_name = "METRES", value_parser = metres)]
-    reduce_keys: Option<f32>,
-    /// With --reduce-keys: also drop channels that stay at the rest pose
-    #[arg(long, requires = "reduce_keys")]
-    drop_rest: bool,
-}
-
-/// Handling of root motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum RootMode {
-    /// Leave the motion as it is; the report has the trajectory
-    Keep,
-    /// Move it to a joint above the hips
-    Extract,
-    /// Remove it
-    InPlace,
+    /// Drop keys while no joint and no skin moves by more than this distance: 0.001, 1mm or 0.1cm; with
+    /// ,drop-rest also channels that stay at the rest pose
+    #[arg(long, value_name = "METRES[,drop-rest]", value_parser = reduction)]
+    reduce_keys: Option<ReduceOptions>,
 }
 
 impl HygieneArgs {
     /// The edits that the flags ask for.
     pub(super) fn edits(&self) -> ClipEdits {
-        let (window_secs, smooth_secs) = (self.loop_window, self.root_smooth.unwrap_or(0.0));
         ClipEdits {
             trim: self.trim,
-            close_loop: self.looped.then_some(CloseOptions { window_secs }),
-            root_motion: self.root_motion.map(|mode| RootMotionOptions {
-                mode: mode.of_library(),
-                smooth_secs,
-            }),
+            close_loop: self.looped.map(|window_secs| CloseOptions { window_secs }),
+            root_motion: self.root_motion,
             rate_hz: self.rate,
-            reduce_keys: self.reduce_keys.map(|bound_metres| ReduceOptions {
-                bound_metres,
-                drop_rest: self.drop_rest,
-            }),
+            reduce_keys: self.reduce_keys,
         }
     }
 
@@ -82,16 +59,6 @@ impl HygieneArgs {
     /// Whether any edit is asked for.
     pub(super) fn asks(&self) -> bool {
         self.edits().asks()
-    }
-}
-
-impl RootMode {
-    fn of_library(self) -> RootMotionMode {
-        match self {
-            Self::Keep => RootMotionMode::Keep,
-            Self::Extract => RootMotionMode::Extract,
-            Self::InPlace => RootMotionMode::InPlace,
-        }
     }
 }
 
@@ -212,6 +179,31 @@ fn part(text: &str) -> Result<ClipPart, String> {
     }
 }
 
+/// Parses `MODE` or `MODE:SECS`.
+fn root_motion(text: &str) -> Result<RootMotionOptions, String> {
+    const MODES: &[(&str, RootMotionMode)] = &[
+        ("keep", RootMotionMode::Keep),
+        ("extract", RootMotionMode::Extract),
+        ("in-place", RootMotionMode::InPlace),
+    ];
+    let (mode, secs) = text.split_once(':').unzip();
+    Ok(RootMotionOptions {
+        mode: arguments::word(mode.unwrap_or(text), MODES)?,
+        smooth_secs: secs.map_or(Ok(0.0), arguments::positive)?,
+    })
+}
+
+/// Parses `METRES` or `METRES,drop-rest`.
+fn reduction(text: &str) -> Result<ReduceOptions, String> {
+    let (bound, more) = text.split_once(',').unzip();
+    Ok(ReduceOptions {
+        bound_metres: metres(bound.unwrap_or(text))?,
+        drop_rest: more.map_or(Ok(false), |m| {
+            arguments::word(m.trim(), &[("drop-rest", true)])
+        })?,
+    })
+}
+
 /// Parses a length in metres, or with the unit m, cm or mm.
 fn metres(text: &str) -> Result<f32, String> {
     let text = text.trim();
@@ -241,6 +233,23 @@ mod tests {
         for bad in ["", "mm", "0", "-1mm", "1km", "NaN", "inf", "1e99m"] {
             assert!(metres(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn edits_take_their_numbers_along() {
+        let smooth = root_motion("in-place:0.5").unwrap();
+        assert_eq!(
+            (smooth.mode, smooth.smooth_secs),
+            (RootMotionMode::InPlace, 0.5)
+        );
+        assert_eq!(root_motion("keep").unwrap().smooth_secs, 0.0);
+        for bad in ["", "away", "keep:", "keep:0", ":1"] {
+            assert!(root_motion(bad).is_err(), "{bad}");
+        }
+        let dropped = reduction("1mm, drop-rest").unwrap();
+        assert_eq!((dropped.bound_metres, dropped.drop_rest), (0.001, true));
+        assert!(reduction("1mm,").is_err() && reduction("1mm,rest").is_err());
+        assert!(!reduction("1mm").unwrap().drop_rest);
     }
 
     #[test]

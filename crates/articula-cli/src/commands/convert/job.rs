@@ -10,8 +10,8 @@ use crate::console::on_all_processors;
 use crate::files::{self, Files};
 use crate::open;
 use anyhow::bail;
-use articula::CharacterFile;
 use articula::convert::ConvertOptions;
+use articula::{CharacterFile, ClipResampling};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -62,10 +62,7 @@ impl Recipe<'_> {
     /// Reads one file without changes.
     fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, ConvertReport)> {
         let input = &job.inputs[0];
-        let mut opened = open::character(self.files, &input.path, &self.args.names)?;
-        if self.args.skip_first_frame {
-            opened.skip_first_frames()?;
-        }
+        let mut opened = open::motion(self.files, &input.path, &self.args.names)?;
         self.options(self.args.clip.clone())
             .check(opened.format(), job.format)?;
         let mut report = ConvertReport::new(job, opened.name().to_owned());
@@ -134,6 +131,10 @@ impl Recipe<'_> {
                 MotionReport::Face(face) => faces.push(face),
             }
         }
+        let retargeted = motions.iter().flat_map(|motion| &motion.clips);
+        let resampled = retargeted.filter_map(|clip| clip.resampling.as_ref());
+        let told = resampled.filter_map(ClipResampling::warning);
+        report.warnings.extend(told);
         formats.dedup();
         report.format_in = formats.join(", ");
         report.onto = Some(Onto {
@@ -199,6 +200,9 @@ impl Recipe<'_> {
         }
         report.joint_scheme = made.joint_scheme;
         report.edits = made.edits;
+        let told = made.resampling.iter().filter_map(ClipResampling::warning);
+        report.warnings.extend(told);
+        report.resampling = made.resampling;
         let reduction = self.selected.as_ref().zip(made.reduction);
         report.reduction = reduction.map(|(selected, saved)| Reduction::new(selected, saved));
         report.clips = made.clips;

@@ -1,8 +1,8 @@
 //! `convert --joint-scheme`: the joints of H-Anim or of the thesis, and the report of the change.
 
 use crate::fault::clean;
+use articula::build::JointScheme;
 use articula::convert::JointSchemeReport;
-use articula::core::JointScheme;
 use clap::ValueEnum;
 
 /// Set of joints that a body has.

@@ -16,18 +16,15 @@ use std::path::{Path, PathBuf};
 /// Choice of mesh levels.
 #[derive(Debug, Clone, Args)]
 pub(super) struct MeshArgs {
-    /// Write the mesh at one of its levels (0 is the finest), or regions of the body at levels of
-    /// their own: face=0,rest=3; regions without a level have that of rest, or 0
-    #[arg(long, value_name = "LEVEL|REGION=LEVEL,...", value_parser = level)]
-    mesh_level: Option<LevelChoice>,
+    /// Write the mesh at one of its levels (0 is the finest); or regions of the body at levels of their
+    /// own, as face=0,rest=3, where regions without a level have that of rest, or 0; or with
+    /// --mesh-distance the coarsest level within an error, as 2px
+    #[arg(long, value_name = "LEVEL|REGION=LEVEL,…|PXpx", value_parser = level)]
+    mesh_level: Option<LevelArgument>,
     /// Distance from the camera in metres at which the error of the mesh is reported in pixels;
-    /// without --mesh-level it chooses the coarsest level within --epsilon-px
+    /// without --mesh-level it chooses the coarsest level within 1px
     #[arg(long, value_name = "M", value_parser = positive)]
     mesh_distance: Option<f32>,
-    /// With --mesh-distance: tolerated error of the mesh in pixels
-    #[arg(long, value_name = "PX", default_value_t = 1.0, value_parser = positive,
-          requires = "mesh_distance")]
-    epsilon_px: f32,
     #[command(flatten)]
     view: ViewArgs,
     /// Write a picture of the chosen levels below the original, with every triangle visible
@@ -35,9 +32,21 @@ pub(super) struct MeshArgs {
     mesh_picture: Option<PathBuf>,
 }
 
+/// How a level is chosen.
+#[derive(Debug, Clone, PartialEq)]
+enum LevelArgument {
+    Chosen(LevelChoice),
+    /// The coarsest within so many pixels.
+    Within(f32),
+}
+
 impl MeshArgs {
     /// Refuses flags that have no effect.
     pub(super) fn check(&self, folder: bool) -> anyhow::Result<()> {
+        if let (Some(LevelArgument::Within(px)), None) = (&self.mesh_level, self.mesh_distance) {
+            let what = format!("--mesh-level {px}px needs the distance, --mesh-distance M");
+            return Err(fault::usage(what));
+        }
         let Some(path) = &self.mesh_picture else {
             return Ok(());
         };
@@ -45,10 +54,7 @@ impl MeshArgs {
             let what = "--mesh-picture needs --mesh-level or --mesh-distance";
             return Err(fault::usage(what));
         }
-        if !path
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("png"))
-        {
+        if files::extension(path) != "png" {
             let path = files::shown(path);
             let what = format!("--mesh-picture {path}: pictures are PNG; name the file .png");
             return Err(fault::usage(what));
@@ -67,18 +73,18 @@ impl MeshArgs {
 
     /// The choice, if there is one.
     pub(super) fn options(&self) -> Option<ShownLevelOptions> {
+        let (level, epsilon_px) = match &self.mesh_level {
+            Some(LevelArgument::Chosen(level)) => (level.clone(), 1.0),
+            Some(LevelArgument::Within(px)) => (LevelChoice::default(), *px),
+            None => (LevelChoice::default(), 1.0),
+        };
         let view = self.mesh_distance.map(|distance_m| MeshView {
             distance_m,
-            epsilon_px: self.epsilon_px,
+            epsilon_px,
             viewport: self.view.viewport(),
         });
-        if self.mesh_level.is_none() && view.is_none() {
-            return None;
-        }
-        Some(ShownLevelOptions {
-            level: self.mesh_level.clone().unwrap_or_default(),
-            view,
-        })
+        let is_asked = self.mesh_level.is_some() || view.is_some();
+        is_asked.then_some(ShownLevelOptions { level, view })
     }
 
     /// Writes the picture, if one was asked for; returns its path.
@@ -90,17 +96,20 @@ impl MeshArgs {
         let Some(path) = &self.mesh_picture else {
             return Ok(None);
         };
-        let bytes = picture(shown)?
-            .to_png()
-            .with_context(|| files::shown(path))?;
-        files.write(path, &bytes)?;
-        Ok(Some(files::shown(path)))
+        files::write_png(files, path, &picture(shown)?).map(Some)
     }
 }
 
-/// Parses a level, or levels of regions.
-fn level(text: &str) -> Result<LevelChoice, String> {
-    let wrong = || "expected a level such as 2, or levels of regions such as face=0,rest=3";
+/// Parses a level, levels of regions, or an error in pixels.
+fn level(text: &str) -> Result<LevelArgument, String> {
+    if let Some(number) = text.strip_suffix("px") {
+        return positive(number.trim()).map(LevelArgument::Within);
+    }
+    choice(text).map(LevelArgument::Chosen)
+}
+
+fn choice(text: &str) -> Result<LevelChoice, String> {
+    let wrong = || "expected a level such as 2, levels of regions such as face=0,rest=3, or 2px";
     let number = |text: &str| text.trim().parse::<u16>().map_err(|_| wrong().to_owned());
     if !text.contains('=') {
         return number(text).map(LevelChoice::Whole);
@@ -207,10 +216,21 @@ mod tests {
 
     #[test]
     fn levels_are_one_number_or_named() {
-        assert_eq!(level("3"), Ok(LevelChoice::Whole(3)));
+        assert_eq!(choice("3"), Ok(LevelChoice::Whole(3)));
         let named = vec![("face".to_owned(), 0), ("rest".to_owned(), 2)];
-        assert_eq!(level("face=0, rest=2"), Ok(LevelChoice::Regions(named)));
-        for bad in ["", "-1", "face", "face=", "face=0,", "face=0,face=1", "1,2"] {
+        assert_eq!(choice("face=0, rest=2"), Ok(LevelChoice::Regions(named)));
+        assert_eq!(level("1.5px"), Ok(LevelArgument::Within(1.5)));
+        for bad in [
+            "px",
+            "0px",
+            "",
+            "-1",
+            "face",
+            "face=",
+            "face=0,",
+            "face=0,face=1",
+            "1,2",
+        ] {
             assert!(level(bad).is_err(), "{bad}");
         }
     }

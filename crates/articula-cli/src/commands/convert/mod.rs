@@ -35,12 +35,11 @@ use std::path::{Path, PathBuf};
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...), or folders of them
-    #[arg(value_name = "IN", required = true)]
-    inputs: Vec<PathBuf>,
-    /// File to write, in the format of its extension (.glb, .vrm, .vrma, .bvh, ...), or folder
-    /// that receives one file for each input
-    out: PathBuf,
+    /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...), or folders of them; last the file to
+    /// write, in the format of its extension (.glb, .vrm, .vrma, .bvh, ...), or a folder that receives
+    /// one file for each input
+    #[arg(value_name = "IN… OUT", required = true)]
+    paths: Vec<PathBuf>,
     /// Format of the files in an output folder [default: glb]
     #[arg(long, value_name = "FORMAT", value_parser = format)]
     to: Option<Format>,
@@ -51,27 +50,25 @@ pub(crate) struct ConvertArgs {
     /// With --onto: keep the clips that the character already has
     #[arg(long, requires = "onto")]
     keep_clips: bool,
-    /// With --onto: end effectors that are kept in place during contacts [default: feet]
-    #[arg(long, value_enum, requires = "onto")]
-    pin: Option<Pin>,
+    /// With --onto: what is kept in place during contacts [default: feet]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "WHAT,…",
+        value_delimiter = ',',
+        requires = "onto"
+    )]
+    pin: Vec<Pin>,
     /// With --onto: height of the floor in metres, in the motion's space [default: found from the
     /// feet]
     #[arg(long, value_name = "M", requires = "onto", allow_negative_numbers = true, value_parser = finite)]
     floor_metres: Option<f32>,
-    /// With --onto: hands that rest on hips, thighs, trunk or head, or meet each other, do so on the
-    /// character too
-    #[arg(long, requires = "onto")]
-    self_contact: bool,
     /// With --onto: list the source of every joint's motion
     #[arg(long, requires = "onto")]
     map: bool,
     /// Name of the only clip to keep [default: all clips; for .bvh the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
-    /// Leave out the first frame of each clip that is read; captures often begin with one of the
-    /// rest pose
-    #[arg(long)]
-    skip_first_frame: bool,
     /// Set of joints of the body: subtalars are merged into ankles and thumb0 joints inserted, or the
     /// other way round [default: the joints stay as they are]
     #[arg(long, value_name = "SCHEME", value_enum)]
@@ -223,15 +220,31 @@ fn format(name: &str) -> Result<Format, String> {
 }
 
 impl ConvertArgs {
+    /// The files and folders to convert.
+    fn sources(&self) -> &[PathBuf] {
+        &self.paths[..self.paths.len().saturating_sub(1)]
+    }
+
+    /// The file or folder to write.
+    fn out(&self) -> &Path {
+        self.paths.last().map_or(Path::new(""), PathBuf::as_path)
+    }
+
     /// The named files that are read.
     fn inputs(&self) -> impl Iterator<Item = &Path> {
-        let named = self.inputs.iter().filter(|path| !path.is_dir());
+        let named = self.sources().iter().filter(|path| !path.is_dir());
         let named = named.chain(&self.onto).chain(&self.loa_profile);
         let named = named.chain(self.shapes.input()).chain(&self.with);
         named.map(PathBuf::as_path).chain(self.names.inputs())
     }
 
     fn check(&self) -> anyhow::Result<()> {
+        if self.sources().is_empty() {
+            return Err(fault::usage(
+                "name the files to read, then the file to write: IN OUT",
+            ));
+        }
+        Pin::check(&self.pin)?;
         let reduces = self.loa.is_some() || self.loa_profile.is_some();
         if (self.passive.is_some() || self.with_ancestors) && !reduces {
             return Err(fault::usage(
@@ -246,7 +259,6 @@ impl ConvertArgs {
         self.to.is_some()
             || self.onto.is_some()
             || self.clip.is_some()
-            || self.skip_first_frame
             || self.loa.is_some()
             || self.loa_profile.is_some()
             || self.face_level.is_some()

@@ -4,7 +4,7 @@
 use super::face_shapes::MadeFace;
 use super::plan::{Input, reads_many};
 use super::{ConvertArgs, face_level};
-use crate::fault::clean;
+use crate::fault::{self, clean};
 use crate::files::{self, Files};
 use crate::open;
 use crate::table::Table;
@@ -16,7 +16,9 @@ use articula::convert::{
 use articula::face::{
     FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
 };
-use articula::formats::Limits;
+use articula::formats::{Assumption, Limits, Warning};
+use articula::stream::StreamLimits;
+use articula::stream::abp2::CarriedSkeleton;
 use articula::{CharacterFile, Data, DataFormat};
 use clap::ValueEnum;
 use std::path::Path;
@@ -30,24 +32,37 @@ pub(super) struct Hero {
     options: AddClipsOptions,
 }
 
-/// End effectors that are kept in place during contacts.
+/// What is kept in place during contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Pin {
     /// Feet, which are also kept above the floor
     Feet,
     /// Feet, and hands that rest on something
     Hands,
+    /// Hands that rest on hips, thighs, trunk or head, or meet each other
+    SelfContact,
     /// None: joint rotations only
     None,
 }
 
 impl Pin {
-    fn pinning(self) -> ContactPinning {
-        match self {
-            Self::Feet => ContactPinning::Feet,
-            Self::Hands => ContactPinning::FeetAndHands,
-            Self::None => ContactPinning::Nothing,
+    /// The pinning of end effectors; feet unless it is told.
+    fn pinning(pins: &[Self]) -> ContactPinning {
+        if pins.contains(&Self::None) {
+            ContactPinning::Nothing
+        } else if pins.contains(&Self::Hands) {
+            ContactPinning::FeetAndHands
+        } else {
+            ContactPinning::Feet
         }
+    }
+
+    /// Refuses nothing together with something.
+    pub(super) fn check(pins: &[Self]) -> anyhow::Result<()> {
+        if pins.len() > 1 && pins.contains(&Self::None) {
+            return Err(fault::usage("--pin none stands alone"));
+        }
+        Ok(())
     }
 }
 
@@ -90,11 +105,11 @@ impl Hero {
             clip: args.clip.clone(),
             file_in_names: reads_many(args),
             // Pinned feet and hands are of the retargeting between different figures.
-            by_names: args.pin.is_none() && args.floor_metres.is_none() && !args.self_contact,
+            by_names: args.pin.is_empty() && args.floor_metres.is_none(),
             retarget: RetargetOptions {
-                pinning: args.pin.unwrap_or(Pin::Feet).pinning(),
+                pinning: Pin::pinning(&args.pin),
                 floor_metres: args.floor_metres,
-                self_contact: args.self_contact,
+                self_contact: args.pin.contains(&Pin::SelfContact),
                 ..RetargetOptions::default()
             },
             ..AddClipsOptions::default()
@@ -118,7 +133,8 @@ impl Hero {
         if let Some(format) = format {
             return self.face(input, format, args).map(Some);
         }
-        let mut source = match open::motion_stream(&input.path)? {
+        let stream = open::motion_stream(&input.path)?;
+        let mut source = match stream.filter(|stream| self.decodes(&stream.bytes)) {
             Some(stream) => {
                 let name = files::shown(&input.path);
                 let read = self
@@ -129,7 +145,7 @@ impl Hero {
             }
             None => open::character(files, &input.path, &args.names)?,
         };
-        if args.skip_first_frame {
+        if args.names.settings().skip_first_frame {
             source.skip_first_frames()?;
         }
         if input.found && source.character().clips.is_empty() {
@@ -137,7 +153,11 @@ impl Hero {
         }
         let fitted = fit_clips(&source, &self.opened, &self.options)?;
         let report = TransferReport::new(&source, &self.opened, &fitted);
-        let warnings = open::warnings(source.warnings());
+        // The findings of a transfer tell of a first frame too.
+        let is_judged = fitted.iter().any(|f| f.fit.retargeted.is_some());
+        let is_new = |w: &&Warning| !is_judged || w.guess != Some(Assumption::FirstFrame);
+        let told: Vec<Warning> = source.warnings().iter().filter(is_new).cloned().collect();
+        let warnings = open::warnings(&told);
         let warnings = warnings
             .into_iter()
             .map(|w| format!("{}: {w}", source.name()));
@@ -151,6 +171,14 @@ impl Hero {
         }))
     }
 
+    /// Whether a motion stream is decoded onto the character: a stream of another one that carries its
+    /// own skeleton is opened like any other motion.
+    fn decodes(&self, stream: &[u8]) -> bool {
+        let limits = StreamLimits::default();
+        let is_alone = matches!(CarriedSkeleton::open(stream, &limits), Ok(Some(_)));
+        !is_alone || self.opened.is_of_motion(stream, &limits)
+    }
+
     /// Reads a FAP file or a capture and transfers it to the character's face.
     fn face(
         &self,
@@ -162,7 +190,7 @@ impl Hero {
         let name = files::shown(&input.path);
         let FittedFace { fitted, report } = match read.data {
             Data::Fap(mut clip) => {
-                if args.skip_first_frame && clip.frames.len() > 1 {
+                if args.names.settings().skip_first_frame && clip.frames.len() > 1 {
                     clip.frames.remove(0);
                 }
                 let (clip, level) = face_level::applied(clip, args, expand_face);
@@ -171,7 +199,7 @@ impl Hero {
                 fitted
             }
             Data::LiveLink(mut capture) => {
-                if args.skip_first_frame && capture.frames.len() > 1 {
+                if args.names.settings().skip_first_frame && capture.frames.len() > 1 {
                     capture.skip_first_frame();
                 }
                 fit_capture(&capture, &name, &self.opened)?
@@ -263,7 +291,7 @@ fn mend(kind: FitFindingKind) -> Option<&'static str> {
         FitFindingKind::NotDriven => {
             "if the motion has them, map their names with --joint-map F.json"
         }
-        FitFindingKind::FirstFrame => "--skip-first-frame leaves it out",
+        FitFindingKind::FirstFrame => "--read first-frame=skip leaves it out",
         FitFindingKind::Hinges | FitFindingKind::Speed => {
             "check the joint map of both files (inspect, --map, --joint-map F.json)"
         }

@@ -70,7 +70,7 @@ impl Plan {
 
 /// Format of the output file; `None` if the output is a folder.
 fn file_format(args: &ConvertArgs) -> anyhow::Result<Option<Format>> {
-    let out = &args.out;
+    let out = args.out();
     let as_folder = files::ends_with_separator(out);
     match files::format(out) {
         Some(_) if args.to.is_some() => Err(fault::usage(format!(
@@ -95,7 +95,7 @@ fn is_folder(path: &Path) -> bool {
 
 /// Whether more than one file may be read.
 pub(super) fn reads_many(args: &ConvertArgs) -> bool {
-    args.inputs.len() > 1 || args.inputs.iter().any(|path| is_folder(path))
+    args.sources().len() > 1 || args.sources().iter().any(|path| is_folder(path))
 }
 
 fn into_one(args: &ConvertArgs, format: Format) -> anyhow::Result<Plan> {
@@ -103,16 +103,16 @@ fn into_one(args: &ConvertArgs, format: Format) -> anyhow::Result<Plan> {
         return Err(fault::usage(format!(
             "{} can receive several files only as motions of one character, with --onto CHARACTER; \
              or name a folder, such as {}/ --to {}",
-            files::shown(&args.out),
-            files::shown(&args.out.with_extension("")),
+            files::shown(args.out()),
+            files::shown(&args.out().with_extension("")),
             format.name()
         )));
     }
-    let named = args.inputs.iter().map(|path| files::shown(path));
+    let named = args.sources().iter().map(|path| files::shown(path));
     let job = Job {
         named: named.collect::<Vec<_>>().join(", "),
         inputs: inputs(args)?,
-        out: args.out.clone(),
+        out: args.out().to_owned(),
         format,
     };
     Ok(Plan {
@@ -139,7 +139,7 @@ fn into_folder(args: &ConvertArgs) -> anyhow::Result<Plan> {
         Job {
             named: files::shown(&input.path),
             inputs: vec![input],
-            out: args.out.join(name),
+            out: args.out().join(name),
             format,
         }
     };
@@ -158,7 +158,7 @@ fn into_folder(args: &ConvertArgs) -> anyhow::Result<Plan> {
     }
     Ok(Plan {
         jobs,
-        folder: Some(args.out.clone()),
+        folder: Some(args.out().to_owned()),
     })
 }
 
@@ -170,7 +170,7 @@ pub(super) fn stem(path: &Path) -> OsString {
 /// The named files, and the files of the named folders sorted by name.
 fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
     let mut all = Vec::new();
-    for path in &args.inputs {
+    for path in args.sources() {
         if is_folder(path) {
             all.extend(inside(path, args.onto.is_some())?);
         } else {
@@ -182,7 +182,8 @@ fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
     }
     // Outputs of an earlier run in this folder are not inputs, nor is the character.
     let onto = args.onto.iter();
-    let apart: Vec<&PathBuf> = onto.chain([&args.out]).collect();
+    let onto = onto.map(PathBuf::as_path);
+    let apart: Vec<&Path> = onto.chain([args.out()]).collect();
     all.retain(|input| !input.found || !apart.iter().any(|a| files::same(&input.path, a)));
     Ok(all)
 }

@@ -8,10 +8,10 @@ use super::{capture, face_level, face_shapes, hygiene, joint_scheme, stream};
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
-use articula::ShownLevelsReport;
 use articula::clip_streams::abp2::TierReport;
 use articula::convert::{ClipEdited, JointSchemeReport, LossyPart, TransferReport};
 use articula::face::{CaptureReport, FaceLevelReport, FaceShapes, FaceTableTargets, FaceTransfer};
+use articula::{ClipResampling, ShownLevelsReport};
 use serde::Serialize;
 use std::path::Path;
 
@@ -46,6 +46,8 @@ pub(super) struct ConvertReport {
     pub(super) joint_scheme: Option<JointSchemeReport>,
     /// Edits of each clip; empty if none were asked for.
     pub(super) edits: Vec<ClipEdited>,
+    /// Distance of the frames of each written clip from the keys of its file.
+    pub(super) resampling: Vec<ClipResampling>,
     pub(super) reduction: Option<Reduction>,
     /// The mesh levels that were written, if any were asked for.
     pub(super) mesh: Option<ShownLevelsReport>,
@@ -158,26 +160,8 @@ impl ConvertReport {
         Self {
             input,
             out: files::shown(&job.out),
-            format_in: String::new(),
             format_out: job.format.name(),
-            bytes_in: 0,
-            bytes_out: 0,
-            beside: Vec::new(),
-            clips: Vec::new(),
-            onto: None,
-            capture: None,
-            face_shapes: None,
-            face_table: None,
-            face_level: None,
-            joint_scheme: None,
-            edits: Vec::new(),
-            reduction: None,
-            mesh: None,
-            tiers: Vec::new(),
-            written: Vec::new(),
-            left_out: Vec::new(),
-            warnings: Vec::new(),
-            failed: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -196,33 +180,15 @@ impl ConvertReport {
         for beside in &self.beside {
             text.push_str(&format!("also written: {}\n", clean(beside)));
         }
-        if let Some(level) = &self.face_level {
-            text.push_str(&face_level::text(level));
-        }
-        if let Some(onto) = &self.onto {
-            text.push_str(&onto.text(map));
-        }
-        if let Some(shown) = &self.mesh {
-            text.push_str(&mesh::text(shown));
-        }
-        if let Some(found) = &self.capture {
-            text.push_str(&capture::text(found));
-        }
-        if let Some(table) = &self.face_table {
-            text.push_str(&face_shapes::table_text(table));
-        }
-        if let Some(shapes) = &self.face_shapes {
-            text.push_str(&face_shapes::text(shapes));
-        }
-        if let Some(changed) = &self.joint_scheme {
-            text.push_str(&joint_scheme::text(changed));
-        }
-        for edits in &self.edits {
-            text.push_str(&hygiene::text(edits));
-        }
-        if let Some(reduction) = &self.reduction {
-            text.push_str(&reduction.text());
-        }
+        text.extend(self.face_level.iter().map(face_level::text));
+        text.extend(self.onto.iter().map(|onto| onto.text(map)));
+        text.extend(self.mesh.iter().map(mesh::text));
+        text.extend(self.capture.iter().map(capture::text));
+        text.extend(self.face_table.iter().map(face_shapes::table_text));
+        text.extend(self.face_shapes.iter().map(face_shapes::text));
+        text.extend(self.joint_scheme.iter().map(joint_scheme::text));
+        text.extend(self.edits.iter().map(hygiene::text));
+        text.extend(self.reduction.iter().map(Reduction::text));
         text.push_str(&stream::text(&self.tiers));
         text.push_str(&lines("picture", &self.written));
         text.push_str(&lines("left out", &self.left_out));
@@ -271,9 +237,8 @@ impl Onto {
         let levels = self.faces.iter().filter_map(|face| face.level.as_ref());
         text.extend(levels.map(face_level::text));
         text.extend(self.faces.iter().map(onto::not_driven));
-        for clip in self.motions.iter().flat_map(|motion| &motion.clips) {
-            text.push_str(&onto::findings(clip));
-        }
+        let clips = self.motions.iter().flat_map(|motion| &motion.clips);
+        text.extend(clips.map(onto::findings));
         let mut last: Option<&TransferReport> = None;
         for motion in &self.motions {
             if !map && last.is_none_or(|other| !onto::is_like(motion, other)) {
@@ -282,9 +247,7 @@ impl Onto {
             last = Some(motion);
         }
         if map {
-            for motion in &self.motions {
-                text.push_str(&onto::map(motion));
-            }
+            text.extend(self.motions.iter().map(onto::map));
         }
         text
     }
@@ -317,9 +280,8 @@ impl Batch {
         if !table.is_empty() {
             text.push_str(&table.text());
         }
-        for onto in self.files.iter().filter_map(|f| f.onto.as_ref()) {
-            text.push_str(&onto.text(map));
-        }
+        let onto = self.files.iter().filter_map(|file| file.onto.as_ref());
+        text.extend(onto.map(|onto| onto.text(map)));
         text
     }
 }

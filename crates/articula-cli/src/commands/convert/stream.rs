@@ -1,6 +1,6 @@
 //! `convert IN OUT.abp`, `OUT.afp` and `OUT.mp4`: profile and options of the stream, and the report of its tiers.
 
-use crate::arguments::skin_millimetres;
+use crate::arguments::{settings, skin_millimetres, word};
 use crate::fault;
 use crate::table::Table;
 use articula::Format;
@@ -8,143 +8,148 @@ use articula::clip_streams::abp2::TierReport;
 use articula::convert::{AbpProfile, AfpProfile};
 use articula::stream::abp2::{Grouping, MotionOptions, UnitOrder};
 use articula::stream::afp2::Afp2Options;
-use clap::{Args, ValueEnum, value_parser};
+use clap::Args;
 
 /// Profile and options of a stream.
 #[derive(Debug, Clone, Args)]
 pub(super) struct StreamArgs {
-    /// Write profile ABP-1, a stream of bones, in place of ABP-2 (.abp and .mp4 only)
-    #[arg(long, conflicts_with_all = ["tolerance_mm", "tiers", "group_by", "by_value"])]
-    pub(super) abp1: bool,
-    /// Write profile AFP-1, in which parameters can be cut one by one, in place of AFP-2 (.afp
-    /// and .mp4 only)
-    #[arg(long, conflicts_with_all = ["abp1", "tolerance_mm", "tiers", "group_by", "by_value"])]
-    afp1: bool,
-    /// Greatest error of a motion stream, in millimetres of skin, or of a face stream, in
-    /// millimetres of feature points of an average face (.abp, .afp and .mp4 only) [default: 0.1]
-    #[arg(long, value_name = "MM", value_parser = skin_millimetres)]
-    tolerance_mm: Option<f64>,
-    /// Tiers of a stream; leaving out the finest triples the error (.abp, .afp and .mp4 only)
-    /// [default: 5, of a face 3]
-    #[arg(long, value_name = "N", value_parser = value_parser!(u8).range(1..=8))]
-    tiers: Option<u8>,
-    /// What the joints have in common that are cut from a motion stream together (.abp and .mp4
-    /// only)
-    /// [default: loa]
-    #[arg(long, value_enum)]
-    group_by: Option<GroupBy>,
-    /// Order the units of a stream by the error that they take away for their bytes, for
-    /// receivers that get a part (.abp, .afp and .mp4 only)
-    #[arg(long)]
-    by_value: bool,
+    /// How .abp, .afp and .mp4 files are coded: tolerance-mm=MM, the greatest error in millimetres of
+    /// skin, or of feature points of an average face [default: 0.1]; tiers=N, of which leaving out the
+    /// finest triples the error [default: 5, of a face 3]; group-by=loa, region or joint, what joints
+    /// have in common that are cut together; order=tier or value, value for receivers that get a part;
+    /// skeleton=yes, so that the file opens without --onto, as a character without meshes;
+    /// profile=abp1 or afp1, a stream of bones, or of parameters that can be cut one by one
+    #[arg(long, value_name = "KEY=VALUE,…", value_parser = stream_settings)]
+    stream: Option<StreamSettings>,
 }
 
-/// What joints of a group have in common.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum GroupBy {
-    /// Level of articulation
-    Loa,
-    /// Level of articulation and body region
-    Region,
-    /// Every joint is a group
-    Joint,
+/// Profile and options of a stream, as far as they are given.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct StreamSettings {
+    first: Option<FirstProfile>,
+    tolerance_mm: Option<f64>,
+    tiers: Option<usize>,
+    grouping: Option<Grouping>,
+    order: Option<UnitOrder>,
+    skeleton: Option<bool>,
+}
+
+/// The first profile of streams, in place of the second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FirstProfile {
+    Abp1,
+    Afp1,
+}
+
+fn stream_settings(text: &str) -> Result<StreamSettings, String> {
+    const GROUPS: &[(&str, Grouping)] = &[
+        ("loa", Grouping::Loa),
+        ("region", Grouping::LoaRegion),
+        ("joint", Grouping::Joint),
+    ];
+    const ORDERS: &[(&str, UnitOrder)] = &[("tier", UnitOrder::Tier), ("value", UnitOrder::Value)];
+    const PROFILES: &[(&str, FirstProfile)] =
+        &[("abp1", FirstProfile::Abp1), ("afp1", FirstProfile::Afp1)];
+    let tiers = |text: &str| {
+        let count = text.parse::<usize>().ok().filter(|n| (1..=8).contains(n));
+        count.ok_or_else(|| "expected a whole number from 1 to 8".to_owned())
+    };
+    let read = settings(text, |to: &mut StreamSettings, key, value| {
+        match key {
+            "tolerance-mm" => to.tolerance_mm = Some(skin_millimetres(value)?),
+            "tiers" => to.tiers = Some(tiers(value)?),
+            "group-by" => to.grouping = Some(word(value, GROUPS)?),
+            "order" => to.order = Some(word(value, ORDERS)?),
+            "skeleton" => to.skeleton = Some(word(value, &[("yes", true), ("no", false)])?),
+            "profile" => to.first = Some(word(value, PROFILES)?),
+            _ => {
+                return Ok(Some(
+                    "tolerance-mm, tiers, group-by, order, skeleton, profile",
+                ));
+            }
+        }
+        Ok(None)
+    })?;
+    match read.first {
+        Some(_) if text.contains(',') => Err("profile=abp1 and profile=afp1 stand alone".into()),
+        _ => Ok(read),
+    }
 }
 
 impl StreamArgs {
-    /// Whether a flag is given.
+    /// Whether the flag is given.
     pub(super) fn asks(&self) -> bool {
-        self.afp1 || self.of_bodies().is_some() || self.of_both().is_some()
+        self.stream.is_some()
     }
 
-    /// Refuses flags that have no effect on a file of this format.
+    /// Refuses settings that have no effect on a file of this format.
     pub(super) fn check(&self, out: Format) -> anyhow::Result<()> {
-        if self.afp1 {
-            let what = format!("--afp1 requires an .afp output, not .{}", out.name());
-            return Err(fault::usage(what));
-        }
-        let flag = self.of_bodies().or_else(|| self.of_both());
-        match flag {
-            Some(flag) if !matches!(out, Format::Abp | Format::Mp4) => {
-                let what = format!(
-                    "{flag} requires an .abp or .mp4 output, not .{}",
-                    out.name()
-                );
-                Err(fault::usage(what))
-            }
-            _ => Ok(()),
-        }
+        let Some(given) = self.stream else {
+            return Ok(());
+        };
+        let (setting, expected) = match given.first {
+            Some(FirstProfile::Afp1) => (" profile=afp1", "an .afp"),
+            _ if matches!(out, Format::Abp | Format::Mp4) => return Ok(()),
+            _ => ("", "an .abp, .afp or .mp4"),
+        };
+        let what = format!(
+            "--stream{setting} requires {expected} output, not .{}",
+            out.name()
+        );
+        Err(fault::usage(what))
     }
 
-    /// The flag that has no effect on the output of a face clip, if one is given; `is_afp` if that is
-    /// a face stream, as such or in an MP4 file.
+    /// The setting that has no effect on the output of a face clip, if one is given; `is_afp` if that
+    /// is a face stream, as such or in an MP4 file.
     pub(super) fn idle_for_a_face(&self, is_afp: bool) -> Option<&'static str> {
-        let of_faces = self.of_both().or(self.afp1.then_some("--afp1"));
-        self.of_bodies().or(of_faces.filter(|_| !is_afp))
+        let given = self.stream?;
+        if given.first == Some(FirstProfile::Abp1) {
+            return Some("--stream profile=abp1");
+        }
+        let grouped = given.grouping.map(|_| "--stream group-by");
+        let skeleton = given.skeleton.map(|_| "--stream skeleton");
+        grouped
+            .or(skeleton)
+            .or_else(|| (!is_afp).then_some("--stream"))
     }
 
     /// The options of the library, if any is chosen.
     pub(super) fn profile(&self) -> Option<AbpProfile> {
-        if self.abp1 {
-            return Some(AbpProfile::Abp1(Default::default()));
-        }
-        self.of_bodies().or_else(|| self.of_both())?;
+        let given = self.stream?;
         let plain = MotionOptions::default();
-        Some(AbpProfile::Abp2(MotionOptions {
-            tolerance_metres: self
-                .tolerance_mm
-                .map_or(plain.tolerance_metres, |mm| 1e-3 * mm),
-            tiers: self.tiers.map_or(plain.tiers, usize::from),
-            grouping: match self.group_by {
-                None | Some(GroupBy::Loa) => Grouping::Loa,
-                Some(GroupBy::Region) => Grouping::LoaRegion,
-                Some(GroupBy::Joint) => Grouping::Joint,
-            },
-            order: self.order(),
-            ..plain
-        }))
+        Some(match given.first {
+            Some(FirstProfile::Afp1) => return None,
+            Some(FirstProfile::Abp1) => AbpProfile::Abp1(Default::default()),
+            None => AbpProfile::Abp2(MotionOptions {
+                tolerance_metres: given.tolerance_metres().unwrap_or(plain.tolerance_metres),
+                tiers: given.tiers.unwrap_or(plain.tiers),
+                grouping: given.grouping.unwrap_or(plain.grouping),
+                order: given.order.unwrap_or(plain.order),
+                skeleton: given.skeleton.unwrap_or(plain.skeleton),
+                ..plain
+            }),
+        })
     }
 
     /// Profile and options of a face stream.
     pub(super) fn face_profile(&self) -> AfpProfile {
-        if self.afp1 {
+        let given = self.stream.unwrap_or_default();
+        if given.first.is_some() {
             return AfpProfile::Afp1(Default::default());
         }
         let plain = Afp2Options::default();
         AfpProfile::Afp2(Afp2Options {
-            tolerance_metres: self
-                .tolerance_mm
-                .map_or(plain.tolerance_metres, |mm| 1e-3 * mm),
-            tiers: self.tiers.map_or(plain.tiers, usize::from),
-            order: self.order(),
+            tolerance_metres: given.tolerance_metres().unwrap_or(plain.tolerance_metres),
+            tiers: given.tiers.unwrap_or(plain.tiers),
+            order: given.order.unwrap_or(plain.order),
             ..plain
         })
     }
+}
 
-    fn order(&self) -> UnitOrder {
-        if self.by_value {
-            UnitOrder::Value
-        } else {
-            UnitOrder::Tier
-        }
-    }
-
-    /// The first flag about streams of bodies that is given.
-    fn of_bodies(&self) -> Option<&'static str> {
-        let group_by = self.group_by.is_some().then_some("--group-by");
-        self.abp1.then_some("--abp1").or(group_by)
-    }
-
-    /// The first flag about streams of bodies or faces that is given.
-    fn of_both(&self) -> Option<&'static str> {
-        let flags = [
-            (self.tolerance_mm.is_some(), "--tolerance-mm"),
-            (self.tiers.is_some(), "--tiers"),
-            (self.by_value, "--by-value"),
-        ];
-        flags
-            .iter()
-            .find(|(given, _)| *given)
-            .map(|(_, flag)| *flag)
+impl StreamSettings {
+    fn tolerance_metres(&self) -> Option<f64> {
+        self.tolerance_mm.map(|mm| 1e-3 * mm)
     }
 }
 
@@ -170,4 +175,24 @@ pub(super) fn text(tiers: &[TierReport]) -> String {
         ]);
     }
     table.text()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_first_profile_has_no_settings() {
+        let read = stream_settings("tiers=3,order=value").unwrap();
+        assert_eq!((read.tiers, read.order), (Some(3), Some(UnitOrder::Value)));
+        for bad in [
+            "tiers=0",
+            "tiers=9",
+            "order=size",
+            "profile=abp1,tiers=2",
+            "tolerance-mm=0",
+        ] {
+            assert!(stream_settings(bad).is_err(), "{bad}");
+        }
+    }
 }

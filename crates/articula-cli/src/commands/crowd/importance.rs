@@ -2,8 +2,7 @@
 
 use crate::fault;
 use anyhow::Context;
-use articula::build::{IMPORTANCE_RANGE, Scene};
-use articula::core::Clip;
+use articula::build::Scene;
 use articula::crowd::Hiders;
 use clap::{Args, ValueEnum};
 use std::str::FromStr;
@@ -15,9 +14,6 @@ pub(crate) struct ImportanceArgs {
     /// scene file, then their numbers, such as main=0,17,40-49
     #[arg(long, value_name = "ROLE=N,N-N,…", value_parser = of_role)]
     role: Vec<RoleOf>,
-    /// Importance of who plays a clip (repeatable), such as wave=2: 1 is neutral, 2 halves the tolerance
-    #[arg(long, value_name = "CLIP=I", value_parser = of_clip)]
-    clip_importance: Vec<ClipImportance>,
     /// What hides characters, which are then not evaluated
     #[arg(long, value_enum, default_value = "walls")]
     hiders: HidersName,
@@ -28,12 +24,6 @@ struct RoleOf {
     role: String,
     /// First and last number of each range.
     ranges: Vec<(usize, usize)>,
-}
-
-#[derive(Debug, Clone)]
-struct ClipImportance {
-    clip: String,
-    importance: f32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -56,8 +46,8 @@ impl ImportanceArgs {
         }
     }
 
-    /// Adds the roles and the importance of clips to a scene; `clips` has those of each character of the cast.
-    pub(super) fn apply(&self, scene: &mut Scene, clips: &[&[Clip]]) -> anyhow::Result<()> {
+    /// Adds the roles to a scene.
+    pub(super) fn apply(&self, scene: &mut Scene) -> anyhow::Result<()> {
         let count = scene.members.len();
         let importance = &mut scene.importance;
         for RoleOf { role, ranges } in &self.role {
@@ -71,19 +61,6 @@ impl ImportanceArgs {
                     return Err(fault::usage(format!("{what}; {mend}")));
                 };
                 of.fill(Some(at as u16));
-            }
-        }
-        for ClipImportance {
-            clip,
-            importance: i,
-        } in &self.clip_importance
-        {
-            let names = clips.iter();
-            let names = names.map(|clips| clips.iter().map(|c| c.name.as_str()).collect());
-            let names: Vec<Vec<&str>> = names.collect();
-            if !importance.mark_clips(&names, clip, *i) {
-                let all = names.iter().flatten().copied();
-                articula::choose("clip", clip, all).context("--clip-importance")?;
             }
         }
         Ok(())
@@ -106,18 +83,6 @@ fn of_role(text: &str) -> Result<RoleOf, String> {
     })
 }
 
-fn of_clip(text: &str) -> Result<ClipImportance, String> {
-    let (clip, importance) = text.rsplit_once('=').ok_or("give CLIP=IMPORTANCE")?;
-    let importance = f32::from_str(importance).map_err(|_| "the importance is no number")?;
-    if !IMPORTANCE_RANGE.contains(&importance) {
-        return Err("give an importance from 1/64 to 64".to_owned());
-    }
-    Ok(ClipImportance {
-        clip: clip.to_owned(),
-        importance,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -136,11 +101,6 @@ mod tests {
             "main=1-2-3",
         ] {
             assert!(of_role(bad).is_err(), "{bad}");
-        }
-        let found = of_clip("a=b=2").unwrap();
-        assert_eq!((found.clip.as_str(), found.importance), ("a=b", 2.0));
-        for bad in ["wave", "wave=", "wave=0", "wave=NaN", "wave=100"] {
-            assert!(of_clip(bad).is_err(), "{bad}");
         }
     }
 }

@@ -4,12 +4,9 @@ mod cast;
 mod importance;
 mod outputs;
 mod report;
-mod storage;
 
 use crate::arguments::{field_of_view, not_negative, positive, size};
 use crate::console::Console;
-use crate::crowd::run;
-use crate::crowd::stage::{DISPLAY_HZ, Settings};
 use crate::files;
 use crate::play::read_camera_path;
 use crate::{fault, selection};
@@ -17,18 +14,19 @@ use anyhow::Context;
 use articula::build::{PLAZA_COUNT, Plaza, Scene, SceneView, plaza};
 use articula::core::Clip;
 use articula::crowd::{
-    Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod,
-    MAX_MEMBERS, MAX_MESH_LEVELS, MAX_VIEWS, PaletteForm, PaletteMatrices, RootMotionPolicy,
+    CacheUse, CrowdAsset, CrowdOptions, DISPLAY_HZ, DetailGoal, JointLodMethod, MAX_MEMBERS,
+    MAX_MESH_LEVELS, MAX_VIEWS, MeasureOptions, PaletteMatrices, RootMotionPolicy,
+    SceneMeasurement, SceneOptions, measure_scene,
 };
 use articula::flat::impostor::{ImpostorBound, ImpostorOptions};
+use articula_report::FRAME_CLOCKS;
 use cast::{CastArgs, CastAsset, NamedScene};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use importance::ImportanceArgs;
 use report::CrowdRunReport;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
-use storage::{FormName, MatricesName, SourceName, StorageArgs, StorageName};
 
 /// Seconds to play a scene without a camera path.
 const USUAL_SECS: f64 = 2.0;
@@ -67,11 +65,6 @@ pub(crate) struct CrowdArgs {
     /// is within the tolerance [default of BYTES: 4194304]
     #[arg(long, value_name = "BYTES", num_args = 0..=1, default_missing_value = "4194304")]
     impostors: Option<usize>,
-    /// Lowest and highest pitch of the eyes that impostors are made for, in degrees above the
-    /// horizon of a character
-    #[arg(long, value_name = "LOW..HIGH", default_value = "-90..90", value_parser = pitches,
-          allow_hyphen_values = true)]
-    impostor_pitches: [f32; 2],
     /// Scene to play, with travelling clips kept in place: plaza, plaza-2 (moving camera, a fifth
     /// of the characters in cross-fades), plaza-2-in-step (as plaza-2, all phases equal), or a
     /// scene file
@@ -102,8 +95,11 @@ pub(crate) struct CrowdArgs {
     clip: Vec<String>,
     #[command(flatten)]
     importance: ImportanceArgs,
-    #[command(flatten)]
-    storage: StorageArgs,
+    /// Source of poses. auto: evaluated, or blended from cached ones where that is cheaper within
+    /// the tolerance; records: the same, with cached poses blended by the GPU from records of 16
+    /// bytes
+    #[arg(long, value_enum, default_value = "auto")]
+    source: SourceName,
     /// Size of the picture in whose pixels errors are measured [default: the scene's, 1920x1080]
     #[arg(long, value_name = "WxH", value_parser = size)]
     viewport: Option<(u32, u32)>,
@@ -130,12 +126,18 @@ pub(crate) struct CrowdArgs {
     buffers: Option<PathBuf>,
 }
 
+/// What blends cached poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SourceName {
+    Auto,
+    Records,
+}
+
 /// The parsed and checked inputs of a run.
 struct Piece {
     cast: Vec<CastAsset>,
     scene: Arc<Scene>,
-    scene_name: String,
-    settings: Settings,
+    options: MeasureOptions,
 }
 
 /// Plays the crowd and prints the report.
@@ -163,24 +165,20 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
         anyhow::bail!("{place}: no mesh, so there is nothing to draw; leave --picture out");
     }
     let scene = args.scene(&cast, scene_file)?;
-    let settings = Settings {
-        detail,
-        cache: args.storage.cache(),
-        hiders: args.importance.hiders(),
+    let options = MeasureOptions {
+        scene: args.scene_options(detail),
         threads: args.threads,
         frames: args.frames(&scene)?,
+        seed: args.seed,
     };
     let piece = Piece {
         cast,
         scene: scene.into(),
-        scene_name: args.scene.clone(),
-        settings,
+        options,
     };
-    let assets = piece.assets();
-    let found = run::run(&assets, &piece.scene, settings, args.seed, console)?;
-    let mut report = CrowdRunReport::new(args, &piece, &found);
-    report.ready_ms = ready_ms;
-    args.write(&piece, &found, &mut report, &console.files)?;
+    let measured = piece.measure(console)?;
+    let mut report = CrowdRunReport::new(args, &piece, ready_ms, measured);
+    args.write(&piece, &mut report, &console.files)?;
     console.result(&report, CrowdRunReport::text)
 }
 
@@ -188,6 +186,21 @@ impl Piece {
     /// The assets of the cast, which share their data with it.
     fn assets(&self) -> Vec<CrowdAsset> {
         self.cast.iter().map(|c| c.asset.clone()).collect()
+    }
+
+    /// Plays the scene on the threads asked for, the others of which are a step away from the first.
+    fn measure(&self, console: &Console) -> anyhow::Result<SceneMeasurement> {
+        let (assets, options) = (self.assets(), &self.options);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads);
+        let pool = (options.threads > 1).then(|| pool.build().context("threads"));
+        let pool = pool.transpose()?;
+        Ok(console.work(|work| {
+            let measure = || measure_scene(&assets, &self.scene, options, FRAME_CLOCKS, work);
+            match &pool {
+                Some(pool) => pool.install(measure),
+                None => measure(),
+            }
+        })?)
     }
 }
 
@@ -244,29 +257,15 @@ impl CrowdArgs {
                 RootMotionPolicy::OnTheSpot
             },
             joints,
-            matrices: match self.palette() {
-                MatricesName::Joints => PaletteMatrices::Joints,
-                MatricesName::Skin => PaletteMatrices::Skin,
-            },
-            form: match self.storage.form {
-                FormName::Matrix => PaletteForm::Matrix,
-                FormName::Half => PaletteForm::HalfMatrix,
-                FormName::Rigid => PaletteForm::Rigid,
-                FormName::HalfRigid => PaletteForm::HalfRigid,
-            },
-            storage: match self.storage.storage {
-                StorageName::Float => ClipStorage::Float,
-                StorageName::Short => ClipStorage::Short,
-            },
-            backend: self.storage.backend.unwrap_or_else(Backend::best),
+            matrices: self.matrices(),
             seed: self.seed,
-            pose_cache: self.is_cached(),
+            pose_cache: self.level == "auto",
             impostors: self.impostors.map(|bytes| ImpostorOptions {
                 bound: ImpostorBound::Bytes(bytes),
-                pitches_radians: self.impostor_pitches.map(f32::to_radians),
                 ..ImpostorOptions::default()
             }),
             mesh_levels: self.mesh_levels,
+            ..CrowdOptions::default()
         })
     }
 
@@ -284,38 +283,30 @@ impl CrowdArgs {
     }
 
     /// Kind of palette matrices; a cache and written buffers require those of the skin.
-    fn palette(&self) -> MatricesName {
-        let may_cache = self.level == "auto"
-            && self.storage.cache() != CacheUse::Never
-            && self.storage.is_cacheable();
-        let usual = match may_cache || self.buffers.is_some() {
-            true => MatricesName::Skin,
-            false => MatricesName::Joints,
-        };
-        self.storage.palette.unwrap_or(usual)
-    }
-
-    /// Whether poses are cached.
-    fn is_cached(&self) -> bool {
-        self.level == "auto"
-            && self.storage.cache() != CacheUse::Never
-            && self.storage.is_cacheable()
-            && self.palette() == MatricesName::Skin
-    }
-
-    /// Records are of cached poses, which are matrices of the skin chosen by their error.
-    fn check_records(&self) -> anyhow::Result<()> {
-        if self.storage.source != SourceName::Records || self.is_cached() {
-            return Ok(());
+    fn matrices(&self) -> PaletteMatrices {
+        match self.level == "auto" || self.buffers.is_some() {
+            true => PaletteMatrices::Skin,
+            false => PaletteMatrices::Joints,
         }
-        let mend = if self.level != "auto" {
-            "requires --level auto"
-        } else if self.storage.is_cacheable() {
-            "requires palettes of the skin; leave --palette out"
-        } else {
-            "requires --form matrix or half"
-        };
-        Err(fault::usage(format!("--source records {mend}")))
+    }
+
+    fn scene_options(&self, detail: DetailGoal) -> SceneOptions {
+        SceneOptions {
+            detail,
+            cache: match self.source {
+                SourceName::Auto => CacheUse::Cpu,
+                SourceName::Records => CacheUse::Gpu,
+            },
+            hiders: self.importance.hiders(),
+        }
+    }
+
+    /// Records are of cached poses, which are chosen by their error.
+    fn check_records(&self) -> anyhow::Result<()> {
+        match self.source == SourceName::Records && self.level != "auto" {
+            true => Err(fault::usage("--source records requires --level auto")),
+            false => Ok(()),
+        }
     }
 
     /// The scene file, unless the scene is a built-in one.
@@ -351,8 +342,7 @@ impl CrowdArgs {
             }
         };
         self.apply_views(&mut scene)?;
-        let clips: Vec<&[Clip]> = cast.iter().map(|c| c.asset.clips()).collect();
-        self.importance.apply(&mut scene, &clips)?;
+        self.importance.apply(&mut scene)?;
         Ok(scene)
     }
 
@@ -435,13 +425,6 @@ fn mesh_levels(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok();
     let number = number.filter(|n| (1..=MAX_MESH_LEVELS).contains(n));
     number.ok_or_else(|| format!("expected a whole number of 1 to {MAX_MESH_LEVELS}"))
-}
-
-fn pitches(text: &str) -> Result<[f32; 2], String> {
-    let pair = text.split_once("..");
-    let pair = pair.and_then(|(low, high)| Some([low.parse().ok()?, high.parse().ok()?]));
-    let pair = pair.filter(|[low, high]: &[f32; 2]| low < high && *low >= -90.0 && *high <= 90.0);
-    pair.ok_or_else(|| "expected two rising angles of -90 to 90 degrees, such as -10..30".into())
 }
 
 fn threads(text: &str) -> Result<usize, String> {

@@ -2,16 +2,12 @@
 
 use super::cast::{self, CastFile};
 use super::report::CrowdRunReport;
-use super::storage::MatricesName;
 use super::{CrowdArgs, PICTURE_PX, Piece};
-use crate::crowd::picture;
-use crate::crowd::run::Run;
-use crate::crowd::stage::TimedCrowd;
 use crate::fault;
 use crate::files::{self, Files};
 use anyhow::Context;
-use articula::crowd::{CrowdBuffers, ErrorSummary, write_scene};
-use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
+use articula::crowd::{CrowdBuffers, ScenePlayer, write_scene};
+use articula_report::{crowd_plots, scene_picture, stacked};
 use std::path::{Path, PathBuf};
 
 impl CrowdArgs {
@@ -39,10 +35,6 @@ impl CrowdArgs {
         let Some(folder) = &self.buffers else {
             return Ok(());
         };
-        if self.storage.palette == Some(MatricesName::Joints) {
-            let what = "--buffers requires palettes of the skin; leave --palette out";
-            return Err(fault::usage(what));
-        }
         if files::is_no_folder(folder) {
             let folder = files::shown(folder);
             let what = format!("--buffers {folder}: this is no folder; name a folder");
@@ -73,7 +65,6 @@ impl CrowdArgs {
     pub(super) fn write(
         &self,
         piece: &Piece,
-        found: &Run,
         report: &mut CrowdRunReport,
         files: &Files,
     ) -> anyhow::Result<()> {
@@ -84,21 +75,21 @@ impl CrowdArgs {
             report.written.push(files::shown(path));
         }
         if let Some(path) = &self.plot {
-            let svg = stacked(&plots(found, self.budget_ms));
+            let svg = stacked(&crowd_plots(&report.measured));
             files.write(path, svg.as_bytes())?;
             report.written.push(files::shown(path));
         }
         if let Some(path) = &self.picture {
-            let picture = picture::draw(&piece.assets(), &piece.scene, piece.settings, PICTURE_PX)?;
+            let picture = scene_picture(&piece.first_frame()?, PICTURE_PX);
+            let picture = picture.context("drawing the crowd")?;
             let png = picture.to_png().with_context(|| files::shown(path))?;
             files.write(path, &png)?;
             report.written.push(files::shown(path));
         }
         if let Some(folder) = &self.buffers {
-            let assets = piece.assets();
-            let stage = TimedCrowd::first_frame(&assets, piece.scene.clone(), piece.settings)?;
+            let player = piece.first_frame()?;
             let names = piece.cast.iter().map(|c| c.file.name.as_str());
-            for (folder, crowd) in folders(folder, names).zip(stage.scene.crowds()) {
+            for (folder, crowd) in folders(folder, names).zip(player.crowds()) {
                 let buffers = CrowdBuffers::new(crowd)?.files()?.into_iter();
                 let buffers = buffers.map(|(name, bytes)| (folder.join(name), bytes));
                 let buffers: Vec<(PathBuf, Vec<u8>)> = buffers.collect();
@@ -112,50 +103,15 @@ impl CrowdArgs {
     }
 }
 
-/// Plots of frame time and error over the time of the scene.
-fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
-    let options = |title: &str, y: &str, target| PlotOptions {
-        title: title.into(),
-        x_label: "time (s)".into(),
-        y_label: y.into(),
-        target,
-        ..PlotOptions::default()
-    };
-    let target = budget_ms.map(|ms| (f64::from(ms), format!("budget {ms} ms")));
-    let time = Series {
-        points: found.over_time.clone(),
-        ..Series::default()
-    };
-    let line = |name: &str, of: &dyn Fn(&ErrorSummary) -> f64| Series {
-        name: name.into(),
-        points: found
-            .looks
-            .iter()
-            .map(|l| {
-                let one = std::slice::from_ref(l);
-                (l.secs, of(&ErrorSummary::of(one)))
-            })
-            .collect(),
-        dashed: name != "p95 of visible characters",
-    };
-    let errors = [
-        line("p95 of visible characters", &|s| s.p95),
-        line("max", &|s| s.max),
-        line("max within 20 m", &|s| s.near_max),
-    ];
-    vec![
-        Plot {
-            name: "frame-time.svg",
-            svg: line_plot(
-                &options("Processor time of a frame", "time (ms)", target),
-                &[time],
-            ),
-        },
-        Plot {
-            name: "crowd-error.svg",
-            svg: line_plot(&options("Error of the crowd", "error (px)", None), &errors),
-        },
-    ]
+impl Piece {
+    /// The scene with its frame at time 0.
+    fn first_frame(&self) -> articula::Result<ScenePlayer> {
+        let scene = self.scene.clone();
+        let mut player = ScenePlayer::new(&self.assets(), scene, self.options.scene)?;
+        player.plan(0.0)?;
+        player.evaluate();
+        Ok(player)
+    }
 }
 
 /// The folder of each character of a cast: one for each if there are several.

@@ -1,6 +1,8 @@
 //! The arguments of `flatten`.
 
-use crate::arguments::{CharacterArgs, ReadArgs, field_of_view, finite, not_negative, positive};
+use crate::arguments::{
+    CharacterArgs, ReadArgs, field_of_view, finite, not_negative, number, positive, settings, word,
+};
 use crate::fault;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -121,35 +123,53 @@ pub(crate) struct QualityArgs {
     /// [default: 4194304]
     #[arg(long, value_name = "B")]
     pub(crate) max_bytes: Option<u64>,
-    /// Maximum position error of a corner in pixels [default: 0.35; player 0.1]
-    #[arg(long, value_name = "PX", value_parser = positive)]
-    pub(crate) pos_tol: Option<f32>,
-    /// Maximum colour error in levels of 0 to 255 [default: 6; player 1]
-    #[arg(long, value_name = "LEVELS", value_parser = positive)]
-    pub(crate) col_tol: Option<f32>,
+    /// Accuracy: position-px=PX, the error of a corner [default: 0.35; player 0.1]; colour=LEVELS, the
+    /// error of a colour in levels of 0 to 255 [default: 6; player 1]; merge=LEVELS, by which the colours
+    /// of neighbouring triangles differ that are joined (flat shading); order-percent=PERCENT of the
+    /// character's pixels that one painting order may paint wrongly above the minimum [default: 0.3];
+    /// split=off, not to cut triangles that pierce each other, which no painting order shows correctly
+    #[arg(long, value_name = "KEY=VALUE,…", value_parser = accuracy)]
+    quality: Option<Accuracy>,
     /// Shading of a triangle [default: gouraud]
     #[arg(long, value_enum, value_name = "HOW")]
     pub(crate) shading: Option<ShadingName>,
-    /// Join neighbouring triangles whose colours differ by at most this many levels of 0 to 255
-    /// (flat shading)
-    #[arg(long, value_name = "LEVELS", value_parser = positive)]
-    pub(crate) merge: Option<f32>,
-    /// Wrongly painted pixels that a single painting order may have above the minimum, in percent
-    /// of the character's pixels
-    #[arg(long, value_name = "PERCENT", default_value_t = 0.3, value_parser = not_negative)]
-    pub(crate) order_tol: f32,
-    /// Cut triangles that pierce each other, which no painting order shows correctly
-    #[arg(long, value_enum, value_name = "ON|OFF", default_value = "on", num_args = 0..=1,
-          default_missing_value = "on")]
-    pub(crate) split: Switch,
+}
+
+/// Accuracy of a file, as far as it is given.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Accuracy {
+    pub(crate) position_px: Option<f32>,
+    pub(crate) colour_levels: Option<f32>,
+    pub(crate) merge_levels: Option<f32>,
+    pub(crate) order_percent: Option<f32>,
+    /// Whether triangles that pierce each other are not cut.
+    pub(crate) keeps_piercing: bool,
+}
+
+fn accuracy(text: &str) -> Result<Accuracy, String> {
+    settings(text, |to: &mut Accuracy, key, value| {
+        match key {
+            "position-px" => to.position_px = Some(positive(value)?),
+            "colour" => to.colour_levels = Some(positive(value)?),
+            "merge" => to.merge_levels = Some(positive(value)?),
+            "order-percent" => to.order_percent = Some(not_negative(value)?),
+            "split" => to.keeps_piercing = word(value, &[("on", false), ("off", true)])?,
+            _ => return Ok(Some("position-px, colour, merge, order-percent, split")),
+        }
+        Ok(None)
+    })
+}
+
+impl QualityArgs {
+    /// The accuracy, with defaults for what is not given.
+    pub(crate) fn accuracy(&self) -> Accuracy {
+        self.quality.unwrap_or_default()
+    }
 }
 
 /// Options of single profiles.
 #[derive(Debug, Args)]
 pub(crate) struct SpecialArgs {
-    /// still: write three colour channels, which reproduces the colours inside triangles exactly
-    #[arg(long)]
-    pub(crate) exact: bool,
     /// player: animate by the character's morph targets instead of a clip
     #[arg(long)]
     pub(crate) live: bool,
@@ -165,9 +185,6 @@ pub(crate) struct SpecialArgs {
     /// thesis: SVG elements to write
     #[arg(long, value_enum, value_name = "FORM", default_value = "path")]
     pub(crate) form: FormName,
-    /// thesis: leave out triangles that are hidden or do not move, as the thesis does
-    #[arg(long)]
-    pub(crate) optimise: bool,
 }
 
 /// Kind of 2D content.
@@ -191,15 +208,6 @@ pub(crate) enum ProfileName {
     Thesis,
 }
 
-/// A switch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Switch {
-    /// Enabled
-    On,
-    /// Disabled
-    Off,
-}
-
 /// Fill of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ShadingName {
@@ -207,6 +215,8 @@ pub(crate) enum ShadingName {
     Flat,
     /// A gradient
     Gouraud,
+    /// Three colour channels, which reproduce the colours inside triangles exactly (still)
+    Exact,
 }
 
 /// SVG elements of the thesis' form.
@@ -216,8 +226,19 @@ pub(crate) enum FormName {
     Polygon,
     /// One path per triangle with the positions of all frames
     Path,
+    /// As polygon, without triangles that are hidden or do not move, as the thesis has it
+    OptimisedPolygon,
+    /// As path, without triangles that are hidden or do not move
+    OptimisedPath,
     /// The frame at --at, with three gradients per triangle
     Gouraud,
+}
+
+impl FormName {
+    /// Whether triangles that are hidden or do not move are left out.
+    pub(crate) fn is_optimised(self) -> bool {
+        matches!(self, Self::OptimisedPolygon | Self::OptimisedPath)
+    }
 }
 
 /// Arguments of `flatten frame`.
@@ -285,13 +306,8 @@ impl ConvertArgs {
 
     /// The profile that was named, or that of the extension of the output.
     pub(crate) fn profile(&self) -> anyhow::Result<ProfileName> {
-        let ending = self
-            .out()
-            .extension()
-            .unwrap_or_default()
-            .to_ascii_lowercase();
-        let ending = ending.to_string_lossy();
-        let told = match ending.as_ref() {
+        let ending = crate::files::extension(self.out());
+        let told = match ending.as_str() {
             "svg" => Some(ProfileName::Smil),
             "json" => Some(ProfileName::Lottie),
             "js" => Some(ProfileName::Player),
@@ -309,7 +325,7 @@ impl ConvertArgs {
             Some(_) => &["svg"],
         };
         if let Some(profile) = profile
-            && fits.contains(&ending.as_ref())
+            && fits.contains(&ending.as_str())
         {
             return Ok(profile);
         }
@@ -331,9 +347,11 @@ fn picture_size(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn elevation(text: &str) -> Result<f32, String> {
-    let angle = text.parse::<f32>().ok();
-    let angle = angle.filter(|a| (-80.0..=80.0).contains(a));
-    angle.ok_or_else(|| "expected an angle of -80 to 80 degrees".into())
+    number(
+        text,
+        |a| (-80.0..=80.0).contains(&a),
+        "an angle of -80 to 80 degrees",
+    )
 }
 
 fn color(text: &str) -> Result<[u8; 4], String> {

@@ -23,11 +23,7 @@ struct Rendered {
 
 /// Renders the frame and prints what was written.
 pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
-    let ending = args
-        .out
-        .extension()
-        .unwrap_or_default()
-        .to_ascii_lowercase();
+    let ending = files::extension(&args.out);
     let is_svg = ending == "svg";
     if !is_svg && ending != "png" {
         let out = files::shown(&args.out);

@@ -12,7 +12,7 @@ pub(crate) use arguments::FlattenArgs;
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
-use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
+use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName};
 use articula::core::Viewport;
 use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula::flat::planar::OrderOptions;
@@ -20,8 +20,10 @@ use articula::flat::planar::Shading;
 use articula::flat::planar::SplitOptions;
 use articula::flat::vector::player::PlayerOutput;
 use articula::flat::vector::{ThesisForm, ThesisSvgOptions};
-use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within};
-use report::{FlattenReport, Made};
+use articula::flatten::{
+    FlattenReport, FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within,
+    surfaces_shown_otherwise,
+};
 
 /// Converts, or runs a subcommand.
 pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
@@ -55,14 +57,14 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         console.work(|work| flatten_within(framed, &options, &settings, work))?
     };
     console.files.write(args.out(), &flat.bytes)?;
-    let made = Made {
-        triangles_of_character: figure.asset.mesh.triangles.len(),
-        framed: &framed,
-        size_px: args.shot.size,
-        max_bytes: settings.max_bytes,
-    };
-    let report = FlattenReport::new(files::shown(args.out()), &flat, made);
-    console.result(&report, FlattenReport::text)
+    let out = files::shown(args.out());
+    let mut report = FlattenReport::new(out, &flat, &framed, settings.max_bytes);
+    report.warnings = report::warnings(&report);
+    report
+        .warnings
+        .extend(open::warnings(figure.opened.warnings()));
+    report.warnings.extend(surfaces_shown_otherwise(&figure));
+    console.result(&report, report::text)
 }
 
 impl ConvertArgs {
@@ -72,7 +74,8 @@ impl ConvertArgs {
         let (quality, special) = (&self.quality, &self.special);
         let keyed = [P::Smil, P::Flipbook, P::Lottie];
         let moving = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Thesis];
-        let is_gouraud_form = special.form == FormName::Gouraud;
+        let accuracy = quality.accuracy();
+        let is_exact = quality.shading == Some(ShadingName::Exact);
         let ours = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Still];
         let vector = [moving.as_slice(), &[P::Still]].concat();
         let turned = motion.turn_deg != 0.0 || motion.cycles != 1;
@@ -82,13 +85,12 @@ impl ConvertArgs {
         let aside = shot.yaw_deg != 0.0 || shot.pitch_deg != 0.0;
         // Whether each flag is given, its name, and the profiles that use it.
         for (is_given, flag, profiles) in [
-            (special.exact, "--exact", &[P::Still][..]),
+            (is_exact, "--shading exact", &[P::Still][..]),
             (special.live, "--live", &[P::Player]),
             (special.background.is_some(), "--background", &[P::Portrait]),
             (special.audio.is_some(), "--audio", &[P::Portrait]),
             (special.views != 3, "--views", &[P::Portrait]),
-            (special.optimise, "--optimise", &[P::Thesis]),
-            (is_gouraud_form, "--form", &[P::Thesis]),
+            (special.form != FormName::Path, "--form", &[P::Thesis]),
             (motion.at != 0.0, "--at", &[P::Still, P::Thesis]),
             (turned, "--turn-deg or --cycles", &moving),
             (aside, "--yaw-deg or --pitch-deg", &vector),
@@ -99,27 +101,27 @@ impl ConvertArgs {
             ),
             (sized, "--size", &framed),
             (shot.triangles.is_some(), "--triangles", &framed),
-            (quality.pos_tol.is_some(), "--pos-tol", &framed),
-            (quality.col_tol.is_some(), "--col-tol", &ours),
+            (
+                accuracy.position_px.is_some(),
+                "--quality position-px",
+                &framed,
+            ),
+            (accuracy.colour_levels.is_some(), "--quality colour", &ours),
             (quality.shading.is_some(), "--shading", &ours),
-            (quality.merge.is_some(), "--merge", &keyed),
+            (accuracy.merge_levels.is_some(), "--quality merge", &keyed),
         ] {
             if is_given && !profiles.contains(&profile) {
                 let what = "does not apply to this profile; see --help";
                 return Err(fault::usage(format!("{flag} {what}")));
             }
         }
-        if is_gouraud_form && special.optimise {
-            let what = "--optimise is for a clip; --form gouraud is one frame";
-            return Err(fault::usage(what));
-        }
         if special.live && (turned || quality.max_bytes.is_some()) {
             let what =
                 "--live plays the clip as it is; leave out --turn-deg, --cycles, --max-bytes";
             return Err(fault::usage(what));
         }
-        if self.quality.merge.is_some() && self.quality.shading != Some(ShadingName::Flat) {
-            return Err(fault::usage("--merge needs --shading flat"));
+        if accuracy.merge_levels.is_some() && quality.shading != Some(ShadingName::Flat) {
+            return Err(fault::usage("--quality merge needs --shading flat"));
         }
         Ok(())
     }
@@ -154,12 +156,13 @@ impl ConvertArgs {
     }
 
     fn prepare_options(&self) -> PrepareClipOptions {
+        let accuracy = self.quality.accuracy();
         PrepareClipOptions {
             order: OrderOptions {
-                order_tol: f64::from(self.quality.order_tol) / 100.0,
+                order_tol: f64::from(accuracy.order_percent.unwrap_or(0.3)) / 100.0,
                 ..OrderOptions::default()
             },
-            split: (self.quality.split == Switch::On).then(SplitOptions::default),
+            split: (!accuracy.keeps_piercing).then(SplitOptions::default),
         }
     }
 
@@ -176,10 +179,7 @@ impl ConvertArgs {
             let what = format!("--at {at}: the motion ends at {length:.3} s");
             return Err(fault::usage(what));
         }
-        let is_module = self
-            .out()
-            .extension()
-            .is_some_and(|e| e.eq_ignore_ascii_case("js"));
+        let is_module = files::extension(self.out()) == "js";
         let profile = match profile {
             ProfileName::Smil | ProfileName::Portrait | ProfileName::Impostor => Profile::Smil,
             ProfileName::Flipbook => Profile::Flipbook,
@@ -188,16 +188,16 @@ impl ConvertArgs {
             ProfileName::Lottie => Profile::Lottie,
             ProfileName::Still => Profile::Still {
                 frame: 0,
-                exact: self.special.exact,
+                exact: self.quality.shading == Some(ShadingName::Exact),
             },
             ProfileName::Thesis => Profile::Thesis(ThesisSvgOptions {
                 form: match self.special.form {
-                    FormName::Polygon => ThesisForm::Polygon,
-                    FormName::Path => ThesisForm::Path,
+                    FormName::Polygon | FormName::OptimisedPolygon => ThesisForm::Polygon,
+                    FormName::Path | FormName::OptimisedPath => ThesisForm::Path,
                     FormName::Gouraud => ThesisForm::GouraudStill { frame: 0 },
                 },
-                optimise_hidden: self.special.optimise,
-                optimise_static: self.special.optimise,
+                optimise_hidden: self.special.form.is_optimised(),
+                optimise_static: self.special.form.is_optimised(),
                 neutral_frame: match self.special.form {
                     FormName::Gouraud => 0,
                     _ => (at * f64::from(framed.options.fps)).round() as usize,
@@ -205,13 +205,14 @@ impl ConvertArgs {
             }),
         };
         let mut quality = Quality::of(profile);
-        quality.pos_tol_px = self.quality.pos_tol.unwrap_or(quality.pos_tol_px);
-        quality.col_tol_levels = self.quality.col_tol.unwrap_or(quality.col_tol_levels);
-        quality.merge_levels = self.quality.merge;
+        let accuracy = self.quality.accuracy();
+        quality.pos_tol_px = accuracy.position_px.unwrap_or(quality.pos_tol_px);
+        quality.col_tol_levels = accuracy.colour_levels.unwrap_or(quality.col_tol_levels);
+        quality.merge_levels = accuracy.merge_levels;
         if let Some(shading) = self.quality.shading {
             quality.shading = match shading {
                 ShadingName::Flat => Shading::Flat,
-                ShadingName::Gouraud => Shading::Gouraud,
+                ShadingName::Gouraud | ShadingName::Exact => Shading::Gouraud,
             };
         }
         let name = clip.map(|c| c.name.clone());

@@ -84,9 +84,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
 
 /// Refuses a name that is neither a movie nor a folder, before anything is drawn.
 fn check_ending(args: &MovieArgs) -> anyhow::Result<()> {
-    let ending = args.out.extension().unwrap_or_default();
-    let ending = ending.to_ascii_lowercase();
-    if ["", "gif", "webp"].iter().any(|known| ending == *known) {
+    if ["", "gif", "webp"].contains(&files::extension(&args.out).as_str()) {
         return Ok(());
     }
     let what = "name a .gif or .webp file, or a folder";
@@ -102,12 +100,7 @@ fn is_folder(args: &MovieArgs) -> bool {
 /// Writes the pictures in the format of the name; returns the total number of bytes.
 fn write(args: &MovieArgs, moments: &[(Picture, f64)], files: &Files) -> anyhow::Result<usize> {
     let place = || files::shown(&args.out);
-    let ending = args
-        .out
-        .extension()
-        .unwrap_or_default()
-        .to_ascii_lowercase();
-    let bytes = match ending.to_str().unwrap_or_default() {
+    let bytes = match files::extension(&args.out).as_str() {
         "gif" => vector::gif(moments).with_context(place)?,
         "webp" => vector::webp(moments).with_context(place)?,
         _ => {

@@ -1,7 +1,6 @@
 //! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
 
 use super::arguments::ConvertArgs;
-use super::report::{BytesReport, RepresentationReport};
 use crate::console::Console;
 use crate::fault;
 use crate::files::{self, Files};
@@ -13,7 +12,7 @@ use articula::flat::flatten::{FileSize, Representation};
 use articula::flat::portrait::PictureFormat;
 use articula::flat::portrait::{EmbeddedFile, PageOptions, page};
 use articula::flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
-use articula::flatten::FramedHead;
+use articula::flatten::{FlatBytes, FramedHead, RepresentationReport, surfaces_shown_otherwise};
 use serde::Serialize;
 use std::path::Path;
 
@@ -26,7 +25,7 @@ const MAX_BYTES: u64 = 64 << 20;
 struct PortraitReport {
     out: String,
     profile: &'static str,
-    bytes: BytesReport,
+    bytes: FlatBytes,
     views: usize,
     triangles: usize,
     vertices: usize,
@@ -36,6 +35,7 @@ struct PortraitReport {
     error: Vec<YawError>,
     representation: RepresentationReport,
     written: Vec<String>,
+    warnings: Vec<String>,
 }
 
 /// Error of the portrait at one yaw angle of the head.
@@ -91,7 +91,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let report = PortraitReport {
         out: files::shown(args.out()),
         profile: "portrait",
-        bytes: BytesReport {
+        bytes: FlatBytes {
             raw: sizes.raw,
             gzip: sizes.gzip,
             brotli: sizes.brotli,
@@ -110,6 +110,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             needs: vec!["script", "canvas", "webp"],
         }),
         written: written.iter().map(|(name, _)| name.clone()).collect(),
+        warnings: open::warnings(figure.opened.warnings())
+            .into_iter()
+            .chain(surfaces_shown_otherwise(&figure))
+            .collect(),
     };
     console.result(&report, PortraitReport::text)
 }
@@ -120,6 +124,7 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
         return Err(fault::usage(format!("--views {views}: expected 1, 3 or 5")));
     }
     let plain = PortraitOptions::default();
+    let position_px = args.quality.accuracy().position_px;
     // Without pictures from above and below, large pitch angles would show missing surface.
     let pitch_limit_degrees = if views == 5 {
         plain.pitch_limit_degrees
@@ -129,7 +134,7 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
     Ok(PortraitOptions {
         views,
         pitch_limit_degrees,
-        tolerance_px: args.quality.pos_tol.unwrap_or(plain.tolerance_px),
+        tolerance_px: position_px.unwrap_or(plain.tolerance_px),
         ..plain
     })
 }
@@ -141,10 +146,7 @@ fn write(
     files: &Files,
 ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let place = || files::shown(args.out());
-    let is_page = args
-        .out()
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("html"));
+    let is_page = files::extension(args.out()) == "html";
     let mut all = Vec::new();
     if is_page {
         let title = portrait.clips.first().map(|c| c.name.clone());
@@ -180,8 +182,7 @@ fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<EmbeddedFile>> {
     let Some(path) = path else {
         return Ok(None);
     };
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let media_type = match ending.to_str().unwrap_or_default() {
+    let media_type = match files::extension(path).as_str() {
         "png" => "image/png",
         "jpg" | "jpeg" => "image/jpeg",
         "webp" => "image/webp",
@@ -207,7 +208,7 @@ impl PortraitReport {
             .iter()
             .map(|e| format!("{:.1} at {}°", e.image_rmse_levels, e.yaw_deg))
             .collect();
-        format!(
+        let mut text = format!(
             "{}: portrait, {} views, {} triangles, {} expressions, {} frames\n\
              {:.1} kB ({:.1} gzip, {:.1} brotli) in {} files\n\
              RMS colour error when turned, levels of 0 to 255: {}\n",
@@ -221,6 +222,10 @@ impl PortraitReport {
             self.bytes.brotli as f64 / 1e3,
             self.written.len(),
             errors.join(", "),
-        )
+        );
+        for warning in &self.warnings {
+            text.push_str(&format!("warning: {warning}\n"));
+        }
+        text
     }
 }

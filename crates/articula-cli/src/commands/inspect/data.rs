@@ -5,7 +5,7 @@ use super::{access_units, motion_stream, mp4};
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::open;
-use crate::table::{Table, counted};
+use crate::table::Table;
 use crate::{fault, files};
 use articula::DataFormat;
 use articula::clip_streams::StreamKind;
@@ -35,7 +35,7 @@ pub(super) fn run(
         found.stream = match stream.kind {
             Some(StreamKind::Afp2) => {
                 let stream = inspect_motion_stream(&stream.bytes, &name, &limits)?;
-                Some(FaceStreamInspection::Afp2(stream))
+                Some(FaceStreamInspection::Afp2(Box::new(stream)))
             }
             Some(StreamKind::Fba) => None,
             _ => {
@@ -107,9 +107,7 @@ fn text(found: &DataInspection, map: bool) -> String {
         Some(FaceStreamInspection::Afp2(stream)) => {
             text.push_str(&format!(
                 "\nstream {}: {}, head of {} bytes\n",
-                stream.profile,
-                counted(stream.access_units, "access unit", "access units"),
-                stream.bytes_head,
+                stream.profile, stream.access_units, stream.bytes_head,
             ));
             text.push_str(&motion_stream::tables(stream));
         }

@@ -1,17 +1,16 @@
 //! Feature points of a face: the flags, the table and the picture.
 
+use super::WrittenFiles;
 use crate::console::Console;
-use crate::face_pictures;
 use crate::table::Table;
 use crate::{fault, files, open};
-use anyhow::Context;
 use articula::core::{ModelPose, local_to_model};
 use articula::face::{FaceLayout, face_fdp, face_layout};
 use articula::flat::{Appearance, Picture};
 use articula::formats::face_points;
 use articula::formats::mpeg4::fdp;
 use articula::{Figure, facing};
-use articula_report::{FaceMark, face_sheet};
+use articula_report::{FaceMark, clip_sheet, face_sheet, morph_target_sheet};
 use clap::Args;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -26,34 +25,15 @@ pub(super) struct FaceArgs {
     /// parameters are measured
     #[arg(long)]
     face: bool,
-    /// Draw the feature points on the face
-    #[arg(long, value_name = "F.png")]
-    face_sheet: Option<PathBuf>,
-    /// Draw the face with each of its morph targets at full weight
-    #[arg(long, value_name = "F.png")]
-    shape_sheet: Option<PathBuf>,
-    /// Draw the face at moments of a clip (--clip, or the first)
-    #[arg(long, value_name = "F.png")]
-    clip_sheet: Option<PathBuf>,
     /// Feature points that are known, as JSON or in an FDP file for this mesh; the others follow
     #[arg(long, value_name = "F.json|F.fdp")]
     face_points: Option<PathBuf>,
-    /// Write the feature points: as JSON, to edit and to give to --face-points, or as an FDP file with
-    /// the zone of each point
-    #[arg(long, value_name = "F.json|F.fdp")]
-    write_face_points: Option<PathBuf>,
 }
 
 impl FaceArgs {
     /// Whether a flag asks for feature points.
     pub(super) fn asks(&self) -> bool {
-        let files = [&self.face_sheet, &self.face_points, &self.write_face_points];
-        self.face || files.into_iter().any(Option::is_some)
-    }
-
-    /// Whether a flag needs a mesh.
-    pub(super) fn needs_a_mesh(&self) -> bool {
-        self.asks() || self.shape_sheet.is_some() || self.clip_sheet.is_some()
+        self.face || self.face_points.is_some()
     }
 
     /// The file that is read, if any.
@@ -61,64 +41,11 @@ impl FaceArgs {
         self.face_points.as_deref()
     }
 
-    /// The files that are written.
-    pub(super) fn outputs(&self) -> impl Iterator<Item = &Path> {
-        let outputs = [
-            &self.face_sheet,
-            &self.shape_sheet,
-            &self.clip_sheet,
-            &self.write_face_points,
-        ];
-        outputs.into_iter().flatten().map(PathBuf::as_path)
-    }
-
-    /// Refuses a picture that is not PNG.
-    pub(super) fn check(&self) -> anyhow::Result<()> {
-        for (flag, path) in [
-            ("--face-sheet", &self.face_sheet),
-            ("--shape-sheet", &self.shape_sheet),
-            ("--clip-sheet", &self.clip_sheet),
-        ] {
-            let is_png =
-                |p: &&PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-            if let Some(path) = path.as_ref().filter(|p| !is_png(p)) {
-                let path = files::shown(path);
-                let what = format!("{flag} {path}: sheets are PNG; name the file .png");
-                return Err(fault::usage(what));
-            }
-        }
-        Ok(())
-    }
-
-    /// Draws the morph targets and the clip, if that was asked for; returns the files written.
-    pub(super) fn draw_shapes(
-        &self,
-        figure: &Figure,
-        clip: Option<usize>,
-        console: &Console,
-    ) -> anyhow::Result<Vec<String>> {
-        let mut written = Vec::new();
-        let mut write = |path: &Path, picture: Picture| {
-            let bytes = picture.to_png().with_context(|| files::shown(path))?;
-            console.files.write(path, &bytes)?;
-            written.push(files::shown(path));
-            anyhow::Ok(())
-        };
-        if let Some(path) = &self.shape_sheet {
-            write(path, face_pictures::targets(figure)?)?;
-        }
-        if let Some(path) = &self.clip_sheet {
-            let clip =
-                clip.ok_or_else(|| fault::usage("--clip-sheet: the file has no clip to draw"))?;
-            write(path, face_pictures::moments(figure, clip, MOMENTS)?)?;
-        }
-        Ok(written)
-    }
-
     /// Finds the points, and writes what was asked for. Returns them and the files written.
     pub(super) fn run(
         &self,
         figure: &Figure,
+        files: &WrittenFiles,
         console: &Console,
     ) -> anyhow::Result<(FaceLayout, Vec<String>)> {
         let given = match &self.face_points {
@@ -127,14 +54,15 @@ impl FaceArgs {
         };
         let layout = face_layout(figure, &given)?;
         let mut written = Vec::new();
-        if let Some(path) = &self.face_sheet {
-            let sheet = draw(figure, &layout)?;
-            let bytes = sheet.to_png().with_context(|| files::shown(path))?;
-            console.files.write(path, &bytes)?;
-            written.push(files::shown(path));
+        if let Some(path) = &files.face_sheet {
+            written.push(files::write_png(
+                &console.files,
+                path,
+                &draw(figure, &layout)?,
+            )?);
         }
-        if let Some(path) = &self.write_face_points {
-            let bytes = if is_fdp(path) {
+        if let Some(path) = &files.face_points {
+            let bytes = if files::extension(path) == "fdp" {
                 fdp::write(&face_fdp(figure, &given)?)
             } else {
                 let points = layout.points.iter();
@@ -148,10 +76,25 @@ impl FaceArgs {
     }
 }
 
-/// Whether a file is to be an FDP file, by its name.
-fn is_fdp(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("fdp"))
+/// Draws the morph targets and the clip, if that was asked for; returns the files written.
+pub(super) fn draw_shapes(
+    figure: &Figure,
+    clip: Option<usize>,
+    files: &WrittenFiles,
+    console: &Console,
+) -> anyhow::Result<Vec<String>> {
+    let mut written = Vec::new();
+    if let Some(path) = &files.shape_sheet {
+        let none = || fault::usage("--write shape-sheet: the file has no morph target to draw");
+        let picture = morph_target_sheet(figure)?.ok_or_else(none)?;
+        written.push(files::write_png(&console.files, path, &picture)?);
+    }
+    if let Some(path) = &files.clip_sheet {
+        let none = || fault::usage("--write clip-sheet: the file has no clip to draw");
+        let picture = clip_sheet(figure, clip.ok_or_else(none)?, MOMENTS)?;
+        written.push(files::write_png(&console.files, path, &picture)?);
+    }
+    Ok(written)
 }
 
 /// Draws the points on the face.
@@ -190,7 +133,7 @@ pub(super) fn text(layout: &FaceLayout) -> String {
     );
     for unit in layout.units.iter().filter(|u| u.doubtful) {
         text.push_str(&format!(
-            "  {} is {:.2} times that of an average face; look at the points (--face-sheet) and give the \
+            "  {} is {:.2} times that of an average face; look at the points (--write face-sheet=F.png) and give the \
              right ones (--face-points)\n",
             unit.name, unit.ratio
         ));

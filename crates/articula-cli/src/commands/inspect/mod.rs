@@ -12,11 +12,13 @@ mod mp4;
 mod stream;
 mod text;
 
-use crate::arguments::{CharacterArgs, not_negative};
+use crate::arguments::{CharacterArgs, file, not_negative, settings};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
-use articula::inspect::{FAR_FROM_METRES, WarningInspection, inspect, joint_levels};
+use articula::inspect::{
+    FAR_FROM_METRES, WarningInspection, has_too_many_joints, inspect, inspect_listed, joint_levels,
+};
 use articula::{DataFormat, Figure, Format, MotionTables, rig_joint_map};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -29,36 +31,93 @@ pub(crate) struct InspectArgs {
     /// List every joint with its H-Anim name, level and region; of a FAP file every parameter
     #[arg(long)]
     map: bool,
-    /// Compute and list the joint levels of the character: joints, matrices and errors
-    #[arg(long)]
-    joint_levels: bool,
-    /// With --joint-levels: tolerance in millimetres from which a level may drop ancestors of the
-    /// joints that it keeps (a far level)
-    #[arg(long, value_name = "MM", default_value_t = 1e3 * FAR_FROM_METRES,
-          value_parser = not_negative, requires = "joint_levels")]
-    far_from_mm: f32,
-    /// Write the joint map of the character as it was recognised: a file to edit, and to give to
-    /// --joint-map
-    #[arg(long, value_name = "F.json")]
-    write_joint_map: Option<PathBuf>,
+    /// Compute and list the joint levels of the character: joints, matrices and errors; from a
+    /// tolerance of MM millimetres, a level may drop ancestors of the joints that it keeps (a far
+    /// level) [default: 4]
+    #[arg(long, value_name = "MM", num_args = 0..=1, require_equals = true,
+          value_parser = not_negative)]
+    joint_levels: Option<Option<f32>>,
     #[command(flatten)]
     face: face::FaceArgs,
+    /// Write what was found, to edit and to give back: joint-map=F.json, the joint map as it was
+    /// recognised, and face-points=F.json, or F.fdp with the zone of each point; and pictures of the
+    /// face: face-sheet=F.png with its points, shape-sheet=F.png with each morph target,
+    /// clip-sheet=F.png at moments of a clip (--clip, or the first)
+    #[arg(long, value_name = "KEY=FILE,…", value_parser = written_files)]
+    write: Option<WrittenFiles>,
     /// Name of the only clip to report
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
 }
 
+/// Files that receive what was found.
+#[derive(Debug, Clone, Default)]
+struct WrittenFiles {
+    joint_map: Option<PathBuf>,
+    face_points: Option<PathBuf>,
+    face_sheet: Option<PathBuf>,
+    shape_sheet: Option<PathBuf>,
+    clip_sheet: Option<PathBuf>,
+}
+
+fn written_files(text: &str) -> Result<WrittenFiles, String> {
+    let png = |text: &str| match file(text)? {
+        path if files::extension(&path) == "png" => Ok(Some(path)),
+        _ => Err(format!("{text}: sheets are PNG; name the file .png")),
+    };
+    settings(text, |to: &mut WrittenFiles, key, value| {
+        match key {
+            "joint-map" => to.joint_map = Some(file(value)?),
+            "face-points" => to.face_points = Some(file(value)?),
+            "face-sheet" => to.face_sheet = png(value)?,
+            "shape-sheet" => to.shape_sheet = png(value)?,
+            "clip-sheet" => to.clip_sheet = png(value)?,
+            _ => {
+                let keys = "joint-map, face-points, face-sheet, shape-sheet, clip-sheet";
+                return Ok(Some(keys));
+            }
+        }
+        Ok(None)
+    })
+}
+
+impl WrittenFiles {
+    fn paths(&self) -> impl Iterator<Item = &Path> {
+        let all = [
+            &self.joint_map,
+            &self.face_sheet,
+            &self.shape_sheet,
+            &self.clip_sheet,
+            &self.face_points,
+        ];
+        all.into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// Whether feature points of the face are to be written or drawn.
+    fn needs_points(&self) -> bool {
+        self.face_points.is_some() || self.face_sheet.is_some()
+    }
+
+    /// Whether the face of a mesh is to be written or drawn.
+    fn needs_a_mesh(&self) -> bool {
+        self.needs_points() || self.shape_sheet.is_some() || self.clip_sheet.is_some()
+    }
+}
+
 /// Reads the file and prints its contents.
 pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
-    let outputs = args.write_joint_map.iter().map(PathBuf::as_path);
-    let outputs = outputs.chain(args.face.outputs());
+    let write = args.write.clone().unwrap_or_default();
     let inputs = args.character.inputs().chain(args.face.input());
-    console.files.plan(inputs, outputs)?;
-    args.face.check()?;
+    console.files.plan(inputs, write.paths())?;
     if let Some(kind) = Jointless::of(&args.character.file)? {
         return kind.run(args, console);
     }
-    let figure = open::figure(&console.files, &args.character)?;
+    let opened = open::kept(&console.files, &args.character)?;
+    if has_too_many_joints(&opened) && !args.measures() {
+        let found = inspect_listed(&opened);
+        return console.result(&found, |found| text::of(found, args.map));
+    }
+    let figure = Figure::new(opened)?;
     let clips: Vec<usize> = match &args.clip {
         Some(name) => figure.clip(Some(name))?.into_iter().collect(),
         None => (0..figure.asset.clips.len()).collect(),
@@ -84,23 +143,21 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.stream = Some(access_units::of(&args.character.file)?);
         findings.tracks = open::tracks(&args.character.file)?;
     }
-    if args.joint_levels {
-        let far_from_metres = 1e-3 * args.far_from_mm;
+    if let Some(far_from_mm) = args.joint_levels {
+        let far_from_metres = far_from_mm.map_or(FAR_FROM_METRES, |mm| 1e-3 * mm);
         let found = console.work(|work| joint_levels(&figure, &clips, far_from_metres, work))?;
         findings.joint_levels = Some(found);
     }
-    if args.face.asks() {
-        let (layout, written) = args.face.run(&figure, console)?;
+    if args.face.asks() || write.needs_points() {
+        let (layout, written) = args.face.run(&figure, &write, console)?;
         findings.face_layout = Some(layout);
         findings.written.extend(written);
     }
-    findings.written.extend(args.face.draw_shapes(
-        &figure,
-        figure.clip(args.clip.as_deref())?,
-        console,
-    )?);
+    let clip = figure.clip(args.clip.as_deref())?;
+    let drawn = face::draw_shapes(&figure, clip, &write, console)?;
+    findings.written.extend(drawn);
     findings.warnings.extend(unused_map(args, &figure));
-    if let Some(path) = &args.write_joint_map {
+    if let Some(path) = &write.joint_map {
         let made = rig_joint_map(&figure.opened)?;
         console.files.write(path, &made.bytes)?;
         let shown = files::shown(path);
@@ -164,16 +221,27 @@ impl Jointless {
 
 /// Refuses flags that ask for the joints or the face of a character.
 fn check_without_joints(args: &InspectArgs) -> anyhow::Result<()> {
-    let what = if args.joint_levels {
+    let written = args.write.as_ref();
+    let what = if args.joint_levels.is_some() {
         "--joint-levels lists levels of a character; this file has no joints"
-    } else if args.write_joint_map.is_some() {
-        "--write-joint-map writes the joints of a character; this file has no joints"
-    } else if args.face.needs_a_mesh() {
+    } else if written.is_some_and(|write| write.joint_map.is_some()) {
+        "--write joint-map writes the joints of a character; this file has no joints"
+    } else if args.face.asks() || written.is_some_and(WrittenFiles::needs_a_mesh) {
         "flags about the face are for characters; this file has no mesh"
     } else {
         return Ok(());
     };
     Err(fault::usage(what))
+}
+
+impl InspectArgs {
+    /// Whether a flag asks for what only a rig can tell.
+    fn measures(&self) -> bool {
+        self.joint_levels.is_some()
+            || self.face.asks()
+            || self.clip.is_some()
+            || self.write.is_some()
+    }
 }
 
 /// A warning if joint maps are given and none of them is used.

@@ -43,15 +43,20 @@ fn text(found: &MotionStreamInspection) -> String {
         found.frames,
         found.fps,
         found.duration_secs,
-        counted(found.access_units, "access unit", "access units"),
+        found.access_units,
         found.bytes_head,
     ));
     let morphs = match found.morph_targets {
         0 => String::new(),
         count => format!(" and {}", counted(count, "morph target", "morph targets")),
     };
+    let skeleton = if found.skeleton {
+        ", whose skeleton it carries"
+    } else {
+        ""
+    };
     text.push_str(&format!(
-        "for {}{morphs}; `lod {} --onto CHARACTER` measures errors\n\n",
+        "for {}{morphs}{skeleton}; `lod {} --onto CHARACTER` measures errors\n\n",
         counted(found.joints, "joint", "joints"),
         clean(&found.file),
     ));

@@ -9,13 +9,9 @@ use articula::inspect::{StreamInspection, inspect_stream};
 use articula::stream::StreamLimits;
 use std::path::Path;
 
-/// Extension of mesh streams.
-const EXTENSION: &str = "ams";
-
 /// Whether a file has the extension of mesh streams.
 pub(super) fn is_one(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str());
-    extension.is_some_and(|e| e.eq_ignore_ascii_case(EXTENSION))
+    files::extension(path) == "ams"
 }
 
 /// Reads the file and prints its contents.

@@ -157,7 +157,7 @@ fn doubtful(joints: &[DoubtfulJoint]) -> String {
         return String::new();
     }
     let mut text = format!(
-        "  {} (--write-joint-map F.json writes a joint map to edit)\n",
+        "  {} (--write joint-map=F.json writes a joint map to edit)\n",
         counted(joints.len(), "doubts about joints")
     );
     for doubt in joints.iter().take(MAX_DOUBTS) {

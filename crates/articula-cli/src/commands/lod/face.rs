@@ -4,7 +4,7 @@ use super::LodArgs;
 use crate::arguments::ReadArgs;
 use crate::console::Console;
 use crate::fault::{self, clean};
-use crate::table::Table;
+use crate::table::{Table, warnings};
 use crate::{files, open};
 use articula::convert::{AfpProfile, write_faps};
 use articula::core::face_levels::FapRoles;
@@ -17,9 +17,8 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Flags of bodies, which do not apply to faces.
-pub(super) const BODY_ALONE: [&str; 12] = [
+pub(super) const BODY_ALONE: [&str; 11] = [
     "method",
-    "variant",
     "loa",
     "loa_profile",
     "parameter",
@@ -56,21 +55,21 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
         )));
     };
     args.check_distances()?;
-    if let Some(out) = &args.write_fap {
+    if let Some(out) = args.fap() {
         let out_name = files::shown(out);
         if has_faps(out).is_none() {
-            let what = format!("--write-fap {out_name}: name a .fap or .afp file");
+            let what = format!("--write fap={out_name}: name a .fap or .afp file");
             return Err(fault::usage(what));
         }
         if args.distances.len() != 1 {
             let what = format!(
-                "--write-fap {out_name}: give the distance that it is for, such as --distances 3.5"
+                "--write fap={out_name}: give the distance that it is for, such as --distances 3.5"
             );
             return Err(fault::usage(what));
         }
     }
     let inputs = args.character.inputs().chain([head]);
-    console.files.plan(inputs, args.write_fap.as_deref())?;
+    console.files.plan(inputs, args.fap())?;
     let names: &ReadArgs = &args.character.names;
     let read = open::data(path, format, names)?;
     let Data::Fap(clip) = read.data else {
@@ -80,17 +79,13 @@ pub(super) fn run(args: &LodArgs, head: &Path, console: &Console) -> anyhow::Res
     opened.keep_meshes(&args.character.only, &args.character.hide)?;
     let figure = Figure::new(opened)?;
     let options = FaceDetailOptions {
-        distances_m: if args.distances.is_empty() {
-            FACE_DISTANCES_M.to_vec()
-        } else {
-            args.distances.clone()
-        },
+        distances_m: args.distances_or(&FACE_DISTANCES_M).to_vec(),
         tolerance_px: args.calibrate.unwrap_or(1.0),
         viewport: args.view.viewport(),
     };
     let detail = console.work(|work| face_detail(&clip, &name, &figure, &options, work))?;
     let mut written = Vec::new();
-    if let (Some(out), [row]) = (&args.write_fap, &detail.rows[..]) {
+    if let (Some(out), [row]) = (args.fap(), &detail.rows[..]) {
         let mut keeps = [false; FAP_COUNT];
         // Visemes and expressions count as the low-level parameters that they amount to.
         let high = [1, 2].into_iter().filter(|_| !row.chosen.is_empty());
@@ -188,9 +183,7 @@ impl FaceLodReport {
         for path in &self.written {
             text.push_str(&format!("chosen FAPs: {}\n", clean(path)));
         }
-        for warning in &self.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
-        }
+        text.push_str(&warnings(&self.warnings));
         text
     }
 }

@@ -6,36 +6,38 @@ mod report;
 mod schedule;
 mod stream;
 
-use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
+use crate::arguments::{CharacterArgs, ViewArgs, file, not_negative, number, positive, settings};
 use crate::console::Console;
 use crate::fault;
 use crate::files::{self, Files};
 use crate::open;
 use crate::play::methods::MethodArgs;
-use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
-use crate::play::{drawn, nanoseconds};
 use anyhow::Context;
 use articula::Figure;
 use articula::build::evaluate::{EvaluationSetup, Method};
-use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
+use articula::evaluate::{
+    Costs, DISTANCES_M, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice,
+};
 use articula::flat::Picture;
-use articula_report::{Plot, motion_sheet, rest_sheet, stacked};
+use articula_report::{
+    Artist, Plot, cost_plots, error_plot, gain_plot, lines_by_distance, lines_by_method,
+    motion_sheet, nanoseconds, rest_sheet, stacked, updates_plot,
+};
 use clap::Args;
 use report::LodReport;
 use std::path::{Path, PathBuf};
 
-/// Default distances of the tables, metres (docs/methods/motion-lod.md).
-pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
+/// Width and height of a tile of a contact sheet, pixels.
+const TILE_PX: (u32, u32) = (200, 290);
 
 /// Maximum number of frames of a clip: the true poses of all frames are kept in memory.
 const MAX_FRAMES: usize = 100_000;
 
 /// Flags that a schedule of levels leaves no room for.
-const SCHEDULE_ALONE: [&str; 7] = [
+const SCHEDULE_ALONE: [&str; 6] = [
     "calibrate",
     "parameter",
     "method",
-    "variant",
     "loa",
     "loa_profile",
     "contact_sheet",
@@ -55,9 +57,10 @@ pub(crate) struct LodArgs {
     /// stream (.abp), the character on which its tiers and groups are measured
     #[arg(long, value_name = "CHARACTER", conflicts_with_all = face::BODY_ALONE)]
     onto: Option<PathBuf>,
-    /// Write the FAP clip with the parameters alone that the error at one distance asks for
-    #[arg(long, value_name = "OUT.fap", requires = "onto")]
-    write_fap: Option<PathBuf>,
+    /// Write the selected joints as a LoA profile, loa-profile=F.json; or of a FAP file the clip with
+    /// the parameters alone that the error at one distance asks for, fap=F.fap
+    #[arg(long, value_name = "KEY=FILE,…", value_parser = written_files)]
+    write: Option<WrittenFiles>,
     /// Distances from the camera to the root in metres, separated by commas
     /// [default: 3.5,5.65,9.05,16,25.6; of a FAP file 1,2,3.5,5.65,9.05]
     #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = distance,
@@ -102,9 +105,28 @@ pub(crate) struct LodArgs {
     seed: u64,
 }
 
+/// Files that are written besides plots and sheets.
+#[derive(Debug, Clone, Default)]
+struct WrittenFiles {
+    loa_profile: Option<PathBuf>,
+    fap: Option<PathBuf>,
+}
+
+fn written_files(text: &str) -> Result<WrittenFiles, String> {
+    settings(text, |to: &mut WrittenFiles, key, value| {
+        match key {
+            "loa-profile" => to.loa_profile = Some(file(value)?),
+            "fap" => to.fap = Some(file(value)?),
+            _ => return Ok(Some("loa-profile, fap")),
+        }
+        Ok(None)
+    })
+}
+
 /// Plays the clip and prints the report.
 pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     if let Some(character) = &args.onto {
+        args.method.selection.check(args.loa_profile().is_some())?;
         if stream::is_one(&args.character.file)? {
             return stream::run(args, character, console);
         }
@@ -152,7 +174,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         let sheet = draw_sheet(&scene, &tables, &report.heading(), notes)?;
         report
             .written
-            .push(write_png(&sheet, path, &console.files)?);
+            .push(files::write_png(&console.files, path, &sheet)?);
     }
     console.result(&report, LodReport::text)
 }
@@ -173,9 +195,17 @@ impl LodArgs {
     fn outputs(&self) -> impl Iterator<Item = &Path> {
         let plot = self.plot.as_deref().filter(|path| is_svg(path));
         let sheet = self.contact_sheet.as_deref();
-        plot.into_iter()
-            .chain(sheet)
-            .chain(self.method.selection.output())
+        plot.into_iter().chain(sheet).chain(self.loa_profile())
+    }
+
+    /// The LoA profile that is written.
+    fn loa_profile(&self) -> Option<&Path> {
+        self.write.as_ref()?.loa_profile.as_deref()
+    }
+
+    /// The FAP clip that is written.
+    fn fap(&self) -> Option<&Path> {
+        self.write.as_ref()?.fap.as_deref()
     }
 
     fn check(&self) -> anyhow::Result<()> {
@@ -184,16 +214,16 @@ impl LodArgs {
             let what = "--parameter applies to one method; compare methods with --calibrate PX";
             return Err(fault::usage(what));
         }
+        if self.fap().is_some() {
+            let what = "--write fap needs --onto HEAD, on which its error is measured";
+            return Err(fault::usage(what));
+        }
+        self.method.selection.check(self.loa_profile().is_some())?;
         self.method.check(self.schedule.is_some())?;
-        let ends_with = |path: &PathBuf, endings: &[&str]| {
-            let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-            endings.iter().any(|e| ending == *e)
-        };
-        if let Some(path) = self
-            .contact_sheet
-            .as_ref()
-            .filter(|p| !ends_with(p, &["png"]))
-        {
+        let ends_with =
+            |path: &PathBuf, endings: &[&str]| endings.contains(&files::extension(path).as_str());
+        let sheet = self.contact_sheet.as_ref();
+        if let Some(path) = sheet.filter(|path| !ends_with(path, &["png"])) {
             let path = files::shown(path);
             let what = format!("--contact-sheet {path}: sheets are PNG; name the file .png");
             return Err(fault::usage(what));
@@ -216,10 +246,14 @@ impl LodArgs {
 
     /// The distances, or the usual ones of bodies.
     fn distances(&self) -> &[f32] {
-        if self.distances.is_empty() {
-            &DISTANCES_M
-        } else {
-            &self.distances
+        self.distances_or(&DISTANCES_M)
+    }
+
+    /// The distances, or some others if none are given.
+    fn distances_or<'a>(&'a self, usual: &'a [f32]) -> &'a [f32] {
+        match &self.distances[..] {
+            [] => usual,
+            given => given,
         }
     }
 
@@ -246,8 +280,11 @@ impl LodArgs {
 
     /// Writes the selected joints, if asked to; returns the path.
     fn save_selection(&self, figure: &Figure, console: &Console) -> anyhow::Result<Option<String>> {
+        let Some(path) = self.loa_profile() else {
+            return Ok(None);
+        };
         let rig = &figure.asset.rig;
-        let saved = self.method.selection.save(rig, &console.files);
+        let saved = self.method.selection.save(rig, path, &console.files);
         saved.with_context(|| figure.opened.name().to_owned())
     }
 
@@ -270,9 +307,8 @@ impl LodArgs {
 
 /// Parses a distance in metres, from 0.01 to 100000.
 fn distance(text: &str) -> Result<f32, String> {
-    let number = positive(text).ok();
-    let number = number.filter(|d| (0.01..=100_000.0).contains(d));
-    number.ok_or_else(|| "expected a distance of 0.01 to 100000 m".into())
+    let is_allowed = |d| (0.01..=100_000.0).contains(&d);
+    number(text, is_allowed, "a distance of 0.01 to 100000 m")
 }
 
 /// Parses the number of a named level.
@@ -289,12 +325,12 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
         anyhow::bail!("{}: {what}", figure.opened.name());
     }
     if let Some(path) = &args.contact_sheet {
-        let mut artist = drawn::artist(figure, drawn::LARGE);
+        let mut artist = Artist::of_figure(figure, TILE_PX);
         let sheet = rest_sheet(&figure.asset, &mut artist, &report.heading());
         let sheet = sheet.context("the contact sheet")?;
         report
             .written
-            .push(write_png(&sheet, path, &console.files)?);
+            .push(files::write_png(&console.files, path, &sheet)?);
     }
     console.result(&report, LodReport::text)
 }
@@ -307,15 +343,15 @@ fn draw_sheet(
     mut notes: Vec<String>,
 ) -> anyhow::Result<Picture> {
     let lines = match tables {
-        [table] => drawn::lines_by_distance(table),
+        [table] => lines_by_distance(table),
         _ => {
             let middle = tables.first().map_or(0, |t| (t.rows.len() - 1) / 2);
             let row = tables.first().and_then(|t| t.rows.get(middle));
             notes.extend(row.map(|r| format!("All methods at {} m.", r.distance_m)));
-            drawn::lines_by_method(tables, middle)
+            lines_by_method(tables, middle)
         }
     };
-    let mut artist = drawn::artist(scene.figure, drawn::LARGE);
+    let mut artist = Artist::of_figure(scene.figure, TILE_PX);
     motion_sheet(&scene.stage(), &mut artist, &lines, 4, title, notes).context("the contact sheet")
 }
 
@@ -329,10 +365,9 @@ fn write_plots(
 ) -> anyhow::Result<()> {
     let clip = &scene.figure.asset.clips[scene.clip].name;
     let heading = format!("clip {clip}");
-    let errors = drawn::series(tables, |r| r.error_px.p95);
     let mut all = vec![
-        gain_plot(&drawn::series(tables, |r| r.joint_update_gain), &heading),
-        error_plot(&errors, &heading, report.calibrate_px),
+        gain_plot(tables, &heading),
+        error_plot(tables, &heading, report.calibrate_px),
     ];
     if is_svg(path) {
         report.written.extend(write_plot_files(&all, path, files)?);
@@ -342,19 +377,13 @@ fn write_plots(
     let middle = rows.len().saturating_sub(1) / 2;
     let distance = rows.get(middle).map_or(0.0, |r| r.distance_m);
     let at = format!("{heading}, {distance} m");
-    let (stage, lines) = (scene.stage(), drawn::lines_by_method(tables, middle));
+    let (stage, lines) = (scene.stage(), lines_by_method(tables, middle));
     all.push(updates_plot(&stage, &lines, &at));
     let costs = Costs::new(&stage, &nanoseconds);
-    all.extend(drawn::cost_plots(&costs, &heading));
+    all.extend(cost_plots(&costs, &heading));
     report.costs = Some(costs);
     report.written.extend(write_plot_files(&all, path, files)?);
     Ok(())
-}
-
-fn write_png(picture: &Picture, path: &Path, files: &Files) -> anyhow::Result<String> {
-    let bytes = picture.to_png().with_context(|| files::shown(path))?;
-    files.write(path, &bytes)?;
-    Ok(files::shown(path))
 }
 
 /// Writes plots into one file, or each into its own of a folder; returns the paths.
@@ -371,6 +400,5 @@ fn write_plot_files(plots: &[Plot], target: &Path, files: &Files) -> anyhow::Res
 }
 
 fn is_svg(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    files::extension(path) == "svg"
 }

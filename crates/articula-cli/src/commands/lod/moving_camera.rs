@@ -1,14 +1,13 @@
 //! `lod --camera-path`: a controller of the live playback before a moving camera.
 
 use super::report::LodReport;
-use super::{LodArgs, write_plot_files, write_png};
+use super::{LodArgs, TILE_PX, write_plot_files};
 use crate::console::Console;
-use crate::fault;
-use crate::play::motion_plots::path_plots;
-use crate::play::{drawn, read_camera_path};
+use crate::play::read_camera_path;
+use crate::{fault, files};
 use anyhow::Context;
 use articula::evaluate::{CameraPath, EvaluatedClip};
-use articula_report::camera_path_sheet;
+use articula_report::{Artist, camera_path_sheet, path_plots};
 use std::path::Path;
 
 /// Plays the clip along the path and prints the report.
@@ -58,13 +57,13 @@ pub(super) fn run(
             "Seen from the camera's position, zoomed to the figure. Error: p95 over the skin."
                 .into(),
         ];
-        let mut artist = drawn::artist(scene.figure, drawn::LARGE);
+        let mut artist = Artist::of_figure(scene.figure, TILE_PX);
         let heading = report.heading();
         let picture = camera_path_sheet(&stage, &mut artist, &played.run, &heading, notes);
         let picture = picture.context("the contact sheet")?;
         report
             .written
-            .push(write_png(&picture, target, &console.files)?);
+            .push(files::write_png(&console.files, target, &picture)?);
     }
     report.camera_path = Some(played.summary);
     console.result(&report, LodReport::text)

@@ -3,7 +3,7 @@
 use super::LodArgs;
 use crate::fault::clean;
 use crate::open;
-use crate::table::Table;
+use crate::table::{Table, warnings};
 use articula::evaluate::{
     Costs, ErrorPx, EvaluatedClip, MethodRow, MethodTable, PathSummary, ScheduleReport,
 };
@@ -12,7 +12,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 
 /// Report of one clip under one method or all methods.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct LodReport {
     pub(super) file: String,
     pub(super) clip: Option<String>,
@@ -89,26 +89,18 @@ impl LodReport {
         let method = args.method.method().to_possible_value();
         Self {
             file: figure.opened.name().to_owned(),
-            clip: None,
             method: method.map_or(String::new(), |m| m.get_name().to_owned()),
             calibrate_px: args.calibrate,
-            frames: 0,
-            rate_hz: 0.0,
             joints: asset.rig.skin_joints().len(),
-            joints_moving: 0,
             viewport_px: [setup.viewport.width_px, setup.viewport.height_px],
             fov_deg: args.view.fov_deg,
             azimuths_deg: setup.azimuths_deg,
             vertices_watched: setup.points.min(asset.mesh.len()),
             seed: args.seed,
-            rows: Vec::new(),
-            camera_path: None,
-            schedule: None,
-            costs: None,
-            written: Vec::new(),
             warnings: std::iter::once("the file has no clip: rest pose only".into())
                 .chain(open::warnings(figure.opened.warnings()))
                 .collect(),
+            ..Self::default()
         }
     }
 
@@ -174,9 +166,7 @@ impl LodReport {
             text.push('\n');
             text.push_str(&schedule_table(schedule).text());
         }
-        for warning in &self.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
-        }
+        text.push_str(&warnings(&self.warnings));
         for file in &self.written {
             text.push_str(&format!("wrote {}\n", clean(file)));
         }

@@ -4,10 +4,10 @@ use super::report::LodReport;
 use super::{LodArgs, write_plot_files};
 use crate::console::Console;
 use crate::files;
-use crate::play::motion_plots::schedule_plots;
 use anyhow::Context;
 use articula::evaluate::{EvaluatedClip, ScheduleOptions, play_lod_schedule, read_lod_schedule};
 use articula::formats::Limits;
+use articula_report::schedule_plots;
 use std::path::Path;
 
 /// Plays the schedule and prints the report.

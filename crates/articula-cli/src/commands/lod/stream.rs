@@ -1,9 +1,9 @@
 //! `lod walk.abp --onto FIGURE`: what leaving out parts of a motion stream costs.
 
-use super::{DISTANCES_M, LodArgs};
+use super::LodArgs;
 use crate::console::Console;
 use crate::fault::{self, clean};
-use crate::table::Table;
+use crate::table::{Table, warnings};
 use crate::{files, open};
 use articula::evaluate::{LayerOptions, LayerReport, LayersReport, layers};
 use articula::{Figure, Format};
@@ -22,9 +22,9 @@ pub(super) fn is_one(path: &Path) -> anyhow::Result<bool> {
 pub(super) fn run(args: &LodArgs, character: &Path, console: &Console) -> anyhow::Result<()> {
     let path = &args.character.file;
     let name = files::shown(path);
-    if args.calibrate.is_some() || args.write_fap.is_some() {
+    if args.calibrate.is_some() || args.fap().is_some() {
         return Err(fault::usage(format!(
-            "{name}: --calibrate and --write-fap choose parameters of a face; a motion stream has none"
+            "{name}: --calibrate and --write fap choose parameters of a face; a motion stream has none"
         )));
     }
     args.check_distances()?;
@@ -35,11 +35,7 @@ pub(super) fn run(args: &LodArgs, character: &Path, console: &Console) -> anyhow
     opened.keep_meshes(&args.character.only, &args.character.hide)?;
     let figure = Figure::new(opened)?;
     let options = LayerOptions {
-        distances_m: if args.distances.is_empty() {
-            DISTANCES_M.to_vec()
-        } else {
-            args.distances.clone()
-        },
+        distances_m: args.distances().to_vec(),
         viewport: args.view.viewport(),
     };
     let mut report = console.work(|work| layers(&stream.bytes, &name, &figure, &options, work))?;
@@ -87,9 +83,7 @@ fn text(found: &LayersReport) -> String {
         }
         text.push_str(&format!("\n{title}\n{}", table.text()));
     }
-    for warning in &found.warnings {
-        text.push_str(&format!("warning: {}\n", clean(warning)));
-    }
+    text.push_str(&warnings(&found.warnings));
     text
 }
 

@@ -7,12 +7,11 @@ use crate::arguments::ReadArgs;
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
-use articula::Data;
 use articula::formats::Limits;
 use articula::item::{CarriedFile, FaceMotion, MANIFEST, PackageOptions, documents, package};
+use articula::{Data, clip_resampling};
 use clap::Args;
 use report::ItemReport;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `package`.
@@ -55,25 +54,20 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let outputs = args.item.is_dir().then_some(manifest.as_path());
     console.files.plan(args.inputs(), outputs)?;
     let options = args.options()?;
-    let opened = open::character(&console.files, &args.file, &args.names)?;
+    let opened = open::motion(&console.files, &args.file, &args.names)?;
     let bytes_in = opened.bytes() as u64;
-    let item = console.work(|work| package(opened, &options, work))?;
-    let written: Vec<(PathBuf, Vec<u8>)> = item
-        .files()
-        .into_iter()
-        .chain(documents(&item)?)
-        .map(|(name, bytes)| (args.item.join(name), bytes))
-        .collect();
-    let folders: BTreeSet<&Path> = written
-        .iter()
-        .filter_map(|(path, _)| path.parent())
-        .collect();
-    for folder in folders {
-        console.files.make_folder(folder)?;
+    let warnings = open::warnings(opened.warnings());
+    let mut resampling = clip_resampling(opened.character())?;
+    if !options.clips.is_empty() {
+        resampling.retain(|clip| options.clips.contains(&clip.clip));
     }
-    console.files.write_all(&written)?;
+    let item = console.work(|work| package(opened, &options, work))?;
+    let written = item.files().into_iter().chain(documents(&item)?);
+    files::write_folder(&console.files, &args.item, written)?;
     let report = ItemReport {
         bytes_in: Some(bytes_in),
+        resampling,
+        warnings,
         ..ItemReport::new(files::shown(&args.item), &item)
     };
     console.result(&report, ItemReport::text)

@@ -1,7 +1,8 @@
 //! What an item holds, for `package` and `inspect`.
 
 use crate::fault::clean;
-use crate::table::Table;
+use crate::table::{Table, warnings};
+use articula::ClipResampling;
 use articula::item::{Item, ItemLayer, ItemPart, Manifest, PartKind};
 use serde::Serialize;
 
@@ -15,10 +16,16 @@ pub(crate) struct ItemReport {
     /// Size of the file that was packaged, in bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) bytes_in: Option<u64>,
+    /// Distance of the frames of each packaged clip from the keys of its file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) resampling: Vec<ClipResampling>,
     /// Bytes of all files, without manifest and unit indices.
     pub(crate) bytes: u64,
     /// Bytes of the unit indices.
     pub(crate) bytes_index: u64,
+    /// Warnings about the file that was packaged.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) warnings: Vec<String>,
     /// The manifest.
     pub(crate) manifest: Manifest,
 }
@@ -29,8 +36,10 @@ impl ItemReport {
             file,
             format: "item",
             bytes_in: None,
+            resampling: Vec::new(),
             bytes: item.bytes(),
             bytes_index: item.index_bytes(),
+            warnings: Vec::new(),
             manifest: item.manifest.clone(),
         }
     }
@@ -58,9 +67,10 @@ impl ItemReport {
             text.push_str(&layers(part));
         }
         text.push_str(&others(manifest));
-        for warning in &manifest.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
-        }
+        let resampled = self.resampling.iter().filter_map(ClipResampling::warning);
+        let told = self.warnings.iter().chain(&manifest.warnings).cloned();
+        let all: Vec<String> = told.chain(resampled).collect();
+        text.push_str(&warnings(&all));
         text
     }
 }
@@ -93,14 +103,9 @@ fn parts(manifest: &Manifest) -> String {
         "kept always",
         "layers",
         "seconds",
-        "best error mm",
+        "least error mm",
     ]);
     for part in &manifest.parts {
-        let least = part
-            .layers
-            .iter()
-            .map(|layer| layer.error_m)
-            .reduce(f64::min);
         table.row([
             kind(part.kind).to_owned(),
             part.name.clone(),
@@ -109,7 +114,7 @@ fn parts(manifest: &Manifest) -> String {
             part.layers.len().to_string(),
             part.duration_secs
                 .map_or("-".into(), |secs| format!("{secs:.2}")),
-            least.map_or("-".into(), millimetres),
+            part.whole_error_m().map_or("-".into(), millimetres),
         ]);
     }
     if table.is_empty() {

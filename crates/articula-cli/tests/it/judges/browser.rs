@@ -1,7 +1,7 @@
 //! Pictures of written files, taken by Chromium (`oracle/browser.mjs` lists the kinds).
 
+use super::super::Picture;
 use super::{ask_on, is_required, judges_are_here};
-use articula::flat::Picture;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::Command;

@@ -7,9 +7,10 @@ use super::super::names::Names;
 use super::bodies::Body;
 use super::markup::Markup;
 use crate::uri::mime_type;
-use articula_core::source::{Character, Material, Primitive, RawMesh};
+use articula_core::source::{Character, Material, Primitive, RawMesh, TextureWrap};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use glam::Vec3;
 
 /// Crease angle that makes every edge smooth, for primitives without normals.
 const SMOOTH: f32 = std::f32::consts::PI;
@@ -19,7 +20,8 @@ const SMOOTH: f32 = std::f32::consts::PI;
 pub(super) struct Shapes<'c> {
     character: &'c Character,
     appearances: Vec<Option<String>>,
-    textures: Vec<Option<String>>,
+    /// Names of the textures written so far, by picture and continuation.
+    textures: Vec<((usize, [TextureWrap; 2]), String)>,
 }
 
 impl<'c> Shapes<'c> {
@@ -27,7 +29,7 @@ impl<'c> Shapes<'c> {
         Self {
             character,
             appearances: vec![None; character.materials.len()],
-            textures: vec![None; character.images.len()],
+            textures: Vec::new(),
         }
     }
 
@@ -97,23 +99,59 @@ impl<'c> Shapes<'c> {
         let name = names.give(&format!("{}_look", material.name), "look");
         markup.set("DEF", &name);
         self.appearances[index] = Some(name);
-        if material.alpha_cutoff > 0.0 {
+        if material.blends {
+            markup.set("alphaMode", "BLEND");
+        } else if material.alpha_cutoff > 0.0 {
             markup.set("alphaMode", "MASK");
             markup.numbers("alphaCutoff", 1, [material.alpha_cutoff]);
         }
-        write_material(markup, names, material);
+        self.material(markup, names, material);
         if let Some(image) = material.base_color_image {
-            self.texture(markup, names, image);
+            self.texture(markup, names, (image, material.base_color_wrap), None);
         }
         markup.close();
     }
 
-    fn texture(&mut self, markup: &mut Markup, names: &mut Names, index: usize) {
+    fn material(&mut self, markup: &mut Markup, names: &mut Names, material: &Material) {
+        let [r, g, b, a] = material.base_color.to_array();
+        let (kind, color) = match material.unlit {
+            true => ("UnlitMaterial", "emissiveColor"),
+            false => ("Material", "diffuseColor"),
+        };
+        markup.open(kind);
+        markup.set("DEF", &names.give(&material.name, "material"));
+        markup.numbers(color, 3, [r, g, b].map(srgb));
+        if material.emissive != Vec3::ZERO {
+            let light = material.emissive.to_array().map(srgb);
+            markup.numbers("emissiveColor", 3, light);
+        }
+        if a < 1.0 {
+            markup.numbers("transparency", 1, [1.0 - a]);
+        }
+        if let Some(image) = material.emissive_image {
+            let field = Some("emissiveTexture");
+            self.texture(markup, names, (image, material.emissive_wrap), field);
+        }
+        markup.close();
+    }
+
+    /// Writes a texture, in a field of its parent other than `texture` if one is named.
+    fn texture(
+        &mut self,
+        markup: &mut Markup,
+        names: &mut Names,
+        (index, wrap): (usize, [TextureWrap; 2]),
+        field: Option<&str>,
+    ) {
         let Some(image) = self.character.images.get(index) else {
             return;
         };
         markup.open("ImageTexture");
-        if let Some(known) = &self.textures[index] {
+        if let Some(field) = field {
+            markup.set("containerField", field);
+        }
+        let known = self.textures.iter().find(|(key, _)| *key == (index, wrap));
+        if let Some((_, known)) = known {
             markup.set("USE", known);
             markup.close();
             return;
@@ -125,23 +163,34 @@ impl<'c> Shapes<'c> {
         };
         let url = format!("\"data:{mime};base64,{}\"", STANDARD.encode(&image.bytes));
         markup.set("DEF", &name).set("url", &url);
+        write_wrap(markup, wrap);
         markup.close();
-        self.textures[index] = Some(name);
+        self.textures.push(((index, wrap), name));
     }
 }
 
-fn write_material(markup: &mut Markup, names: &mut Names, material: &Material) {
-    let [r, g, b, a] = material.base_color.to_array();
-    markup.open("Material");
-    markup.set("DEF", &names.give(&material.name, "material"));
-    markup.numbers("diffuseColor", 3, [r, g, b].map(srgb));
-    if a < 1.0 {
-        markup.numbers("transparency", 1, [1.0 - a]);
+/// Writes how a texture goes on: nothing if it repeats.
+fn write_wrap(markup: &mut Markup, wrap: [TextureWrap; 2]) {
+    for (axis, field) in wrap.into_iter().zip(["repeatS", "repeatT"]) {
+        if axis == TextureWrap::Clamp {
+            markup.set(field, "false");
+        }
     }
-    markup.close();
+    if wrap.contains(&TextureWrap::Mirror) {
+        markup.open("TextureProperties");
+        for (axis, field) in wrap.into_iter().zip(["boundaryModeS", "boundaryModeT"]) {
+            let mode = match axis {
+                TextureWrap::Repeat => "REPEAT",
+                TextureWrap::Mirror => "MIRRORED_REPEAT",
+                TextureWrap::Clamp => "CLAMP_TO_EDGE",
+            };
+            markup.set(field, mode);
+        }
+        markup.close();
+    }
 }
 
-fn values(markup: &mut Markup, primitive: &Primitive, normals: &[glam::Vec3]) {
+fn values(markup: &mut Markup, primitive: &Primitive, normals: &[Vec3]) {
     if !primitive.texcoords.is_empty() {
         let up = primitive.texcoords.iter().flat_map(|t| [t.x, 1.0 - t.y]);
         markup.open("TextureCoordinate").numbers("point", 2, up);

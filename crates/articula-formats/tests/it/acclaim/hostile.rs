@@ -98,23 +98,6 @@ fn every_fault_of_a_motion_names_its_line() {
             "amc line 6: the skeleton has no bone \"tail\"; use the .asf",
         ),
         (
-            "thigh 0 0 0",
-            "thigh 0 0",
-            "amc line 6: 2 values of \"thigh\" found, 3 expected",
-        ),
-        ("thigh 0 0 0", "thigh 0 0 0 0", "amc line 6: 4 values"),
-        (
-            "thigh 0 0 0",
-            "joint 0",
-            "amc line 6: 1 values of \"joint\" found, 0 expected",
-        ),
-        ("thigh 0 0 0", "thigh 0 NaN 0", "amc line 6: \"NaN\" found"),
-        (
-            "thigh 0 0 0",
-            "root 0 0 0 0 0 0",
-            "amc line 6: \"root\" occurs twice",
-        ),
-        (
             "\n1\n",
             "\n",
             "amc line 4: values of a bone found, the number of the first frame",
@@ -200,6 +183,34 @@ fn oddities_are_read_with_a_warning() {
     }
     let without_motion = plain(ASF, Some("")).unwrap().value;
     assert!(without_motion.character.clips.is_empty() && without_motion.frame_time_secs == 0.0);
+}
+
+#[test]
+fn damaged_rows_are_left_out_with_a_warning() {
+    for (rows, wanted) in [
+        (
+            "thigh 0 0\nshin 0\n",
+            "amc line 3: 2 values of \"thigh\" found, 3 expected (its degrees of freedom",
+        ),
+        (
+            "joint 0\nshin 0\n",
+            "amc line 3: 1 values of \"joint\" found, 0 expected",
+        ),
+        (
+            "shin 0\nroot 0 7 0 0 0 0\n",
+            "amc line 4: \"root\" occurs twice in one frame; the row is left out",
+        ),
+        (
+            "thigh 0 NaN 0\nshin 0\n",
+            "amc line 3: \"NaN\" found, a number expected; the value of the row before",
+        ),
+    ] {
+        let amc = format!("1\nroot 0 7 0 0 0 0\n{rows}");
+        let read = plain(ASF, Some(&amc)).unwrap();
+        assert_eq!(read.warnings.len(), 1, "{rows}");
+        let told = format!("{}: {}", read.warnings[0].at, read.warnings[0].what);
+        assert!(told.contains(wanted), "{told}");
+    }
 }
 
 #[test]

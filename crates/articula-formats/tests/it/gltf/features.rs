@@ -532,3 +532,19 @@ fn required_extensions_are_read_or_refused_with_a_mend() {
     tiny.json["asset"]["version"] = json!("1.0");
     assert!(error(&tiny).contains("glTF version 1.0"));
 }
+
+#[test]
+fn base64_of_a_buffer_may_be_broken_into_lines() {
+    let mut tiny = Tiny::skinned();
+    let encoded = base64::Engine::encode(&base64::prelude::BASE64_STANDARD, &tiny.bytes);
+    let expected = good(&tiny).character;
+    for line_end in ["\n", "\r\n", " \n\t", "%0D%0A"] {
+        let lines: Vec<&str> = (0..encoded.len().div_ceil(76))
+            .map(|i| &encoded[i * 76..encoded.len().min((i + 1) * 76)])
+            .collect();
+        let uri = format!("data:;base64,{}{line_end}", lines.join(line_end));
+        tiny.json["buffers"] = json!([{"byteLength": tiny.bytes.len(), "uri": uri}]);
+        let text = tiny.json.to_string();
+        assert_eq!(read(text.as_bytes()).unwrap().value.character, expected);
+    }
+}

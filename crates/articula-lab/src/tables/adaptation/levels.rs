@@ -1,11 +1,12 @@
 //! Sizes and costs of levels: tables 6.1, 6.2 and 6.4 of the thesis for the items.
 
 use super::cases::Packaged;
-use crate::measure::{median, thread_ns};
+use crate::measure::median;
 use anyhow::{Context, Result};
 use articula::item::{ItemPart, PartKind, assemble};
 use articula::{Figure, OpenOptions};
 use articula_core::{PosedMesh, Wrap};
+use articula_report::thread_ns;
 use std::fmt::Write as _;
 use std::hint::black_box;
 

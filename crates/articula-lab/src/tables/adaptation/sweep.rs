@@ -1,6 +1,7 @@
 //! The joint choice over budgets, beside cuts of one part and equal cuts.
 
 use super::cases::Packaged;
+use crate::measure::median;
 use crate::tables::Run;
 use anyhow::Result;
 use articula::item::{AdaptOptions, AdaptedItem, ItemDecision, adapt, assemble, decide};
@@ -35,7 +36,8 @@ pub(super) struct Sweeps {
     alone: usize,
     pub(super) above_exhaustive_percent: f64,
     pub(super) posed_above_bound_percent: f64,
-    ratios: Vec<f64>,
+    /// Error of the joint choice divided by that of the best of the others, for each item.
+    ratios: Vec<(String, Vec<f64>)>,
 }
 
 impl Sweeps {
@@ -62,14 +64,21 @@ impl Sweeps {
 
     /// In words.
     pub(super) fn summary(&self) -> String {
-        let mut ratios = self.ratios.clone();
-        ratios.sort_by(f64::total_cmp);
-        let median = ratios.get(ratios.len() / 2).copied().unwrap_or(1.0);
+        let mut all: Vec<f64> = Vec::new();
+        all.extend(self.ratios.iter().flat_map(|(_, ratios)| ratios));
+        let of_item = |(item, ratios): &(String, Vec<f64>)| {
+            format!("{item} {:.2}", median(&mut ratios.clone()))
+        };
+        let of_items: Vec<String> = self.ratios.iter().map(of_item).collect();
         format!(
             "at {} points others meet the budget, and at {} of these the joint choice has strictly less \
-             error, in the median {median:.2} times that of the best of them; at {} points it alone \
-             meets the budget",
-            self.points, self.less, self.alone
+             error, in the median {:.2} times that of the best of them (by item: {}); at {} points it \
+             alone meets the budget",
+            self.points,
+            self.less,
+            median(&mut all),
+            of_items.join(", "),
+            self.alone
         )
     }
 }
@@ -83,6 +92,8 @@ pub(super) fn write(
     page.push_str(SWEEP);
     let mut sweeps = Sweeps::default();
     for packaged in items {
+        let name = packaged.case.name.to_owned();
+        sweeps.ratios.push((name, Vec::new()));
         for distance_m in DISTANCES_M {
             let lines = sweep(packaged, distance_m, page, csv, &mut sweeps)?;
             let name = format!(
@@ -206,7 +217,9 @@ fn sweep(
         if step + 1 < BUDGETS {
             if best.is_finite() {
                 sweeps.points += 1;
-                sweeps.ratios.push(joint.error_px / best);
+                if let Some((_, ratios)) = sweeps.ratios.last_mut() {
+                    ratios.push(joint.error_px / best);
+                }
                 sweeps.less += usize::from(joint.error_px < best * (1.0 - LESS));
             } else {
                 sweeps.alone += 1;

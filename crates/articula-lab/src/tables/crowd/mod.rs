@@ -10,6 +10,7 @@ mod joints;
 mod ours;
 mod plaza;
 mod ranks;
+mod screen_error;
 mod skinning;
 mod stage;
 mod threads;

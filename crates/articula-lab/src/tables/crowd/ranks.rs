@@ -3,11 +3,12 @@
 use super::frame_order::Access;
 use super::ours::Batched;
 use super::plaza::AtOnePixel;
-use super::stage::{Errors, NEAR_METRES, distance_px, p95_px};
+use super::screen_error::{Errors, distance_px, p95_px};
 use super::{Bench, CrowdTables, SEED};
 use crate::measure::race;
 use crate::peers::ranks::{Beyond, Moment, Rank, Ranks};
 use anyhow::{Context, Result};
+use articula::crowd::NEAR_METRES;
 use articula_build::draw_vertices;
 use articula_build::{PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};
 use articula_core::{

@@ -2,16 +2,16 @@
 //!
 //! Times are wall-clock times: processor time does not show what a thread waits for.
 
-use super::stage::SceneBench;
+use super::stage::{Play, SceneBench};
 use super::{Bench, CrowdTables, SEED};
 use crate::measure::median;
 use crate::peers::floor::{Floor, Sampled};
 use anyhow::{Context, Result};
-use articula::crowd::{CacheUse, CrowdPlayer, CrowdSection, Culling, Detail, FramePart, View};
+use articula::crowd::{CacheUse, CrowdSection, DISPLAY_HZ, DetailGoal, FramePart, ScenePlayer};
 use articula_build::{PLAZA_COUNT, Plaza, plaza};
-use articula_core::Camera;
 use rayon::prelude::*;
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Gain of two threads that is expected where no memory bus bounds it.
@@ -19,7 +19,7 @@ const GAIN: f64 = 1.85;
 const THREADS: usize = 2;
 /// Parts of a frame for each thread.
 const PARTS: usize = 8;
-const STEP_SECS: f32 = 1.0 / 60.0;
+const STEP_SECS: f64 = 1.0 / DISPLAY_HZ;
 
 /// Median milliseconds of a frame on one thread and on two.
 #[derive(Clone, Copy)]
@@ -57,12 +57,12 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
         floors.push(times);
     }
     let stage = SceneBench::new(bench)?;
-    let one = Detail::Tolerance { px: 1.0 };
+    let one = DetailGoal::Tolerance(1.0);
     for (name, count, detail, cache) in [
         (
             "every joint of who is seen",
             count,
-            Detail::Full,
+            DetailGoal::Tolerance(0.0),
             CacheUse::Never,
         ),
         ("merged levels within 1 px", count, one, CacheUse::Never),
@@ -85,14 +85,15 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
             CacheUse::Gpu,
         ),
     ] {
-        let scene = plaza(count, &[bench.asset.clips.len()], SEED, Plaza::Still);
-        let camera = scene.camera_at(0.0).context("the scene has a camera")?;
-        let mut players = [stage.player(&scene)?, stage.player(&scene)?];
-        for player in &mut players {
-            player.detail = detail;
-            player.cache = cache;
-        }
-        let times = pool.install(|| turns(&mut players, &camera, frames));
+        let clips = [bench.asset.clips.len()];
+        let scene = Arc::new(plaza(count, &clips, SEED, Plaza::Still));
+        let play = Play {
+            detail,
+            cache,
+            frames,
+        };
+        let mut players = [stage.player(&scene, play)?, stage.player(&scene, play)?];
+        let times = pool.install(|| turns(&mut players, frames))?;
         row(report, name, count, times);
         let who = format!("two threads, {name}, {count} characters");
         let apart = |floor: &&Times| (floor.one_ms / times.one_ms).ln().abs();
@@ -132,7 +133,7 @@ fn floor(bench: &Bench, count: usize, frames: usize) -> Result<Times> {
     let phases = bench.phases(half);
     let (mut one, mut two) = (Vec::new(), Vec::new());
     for frame in 0..frames {
-        let at = |phase: &f32| (phase * duration + frame as f32 * STEP_SECS) % duration;
+        let at = |phase: &f32| (phase * duration + frame as f32 * STEP_SECS as f32) % duration;
         let secs: Vec<f32> = phases.iter().map(at).collect();
         let [(a, b), (c, d)] = {
             let [f, g] = &mut floors;
@@ -152,26 +153,26 @@ fn floor(bench: &Bench, count: usize, frames: usize) -> Result<Times> {
 }
 
 /// Frames of two equal crowds, by turns: the first on this thread, the second on all.
-fn turns([single, spread]: &mut [CrowdPlayer; 2], camera: &Camera, frames: usize) -> Times {
-    let views = [View::of(camera)];
-    let culling = Culling::Views(&views);
+fn turns([single, spread]: &mut [ScenePlayer; 2], frames: usize) -> Result<Times> {
     let (mut one, mut two) = (Vec::new(), Vec::new());
     for _ in 0..frames {
         let start = Instant::now();
-        single.plan(STEP_SECS, culling, &mut |_| {});
+        single.plan(STEP_SECS)?;
         single.evaluate();
         one.push(ms(start));
         let start = Instant::now();
-        spread.plan_on(STEP_SECS, culling, &mut |_| {}, |sections, tick| {
+        spread.plan_on(STEP_SECS, |sections, tick| {
             let share = sections.len().div_ceil(PARTS * THREADS).max(1);
             let each = |sections: &mut [CrowdSection]| sections.iter_mut().for_each(tick);
             sections.par_chunks_mut(share).for_each(each);
-        });
-        let mut parts: Vec<FramePart<'_>> = spread.parts(PARTS * THREADS).collect();
-        parts.par_iter_mut().for_each(FramePart::evaluate);
+        })?;
+        for crowd in spread.crowds_mut() {
+            let mut parts: Vec<FramePart<'_>> = crowd.parts(PARTS * THREADS).collect();
+            parts.par_iter_mut().for_each(FramePart::evaluate);
+        }
         two.push(ms(start));
     }
-    times(&mut one, &mut two)
+    Ok(times(&mut one, &mut two))
 }
 
 fn times(one: &mut [f64], two: &mut [f64]) -> Times {

@@ -1,13 +1,16 @@
 //! What update rates by rank of distance show of the mixed scene.
 
 use super::stage::Stage;
-use super::{DISPLAY_HZ, LOOK_EVERY, Played, SEED, of_main};
-use crate::measure::{median, thread_ns};
+use super::{Played, SEED, of_main};
+use crate::measure::median;
 use crate::peers::ranks::{Moment, Rank, Ranks, is_visible};
 use anyhow::{Context, Result};
-use articula::crowd::{CharacterError, CrowdAsset, CrowdPlayer, Culling, Detail, ErrorSample};
+use articula::crowd::{
+    CharacterError, CrowdAsset, CrowdPlayer, Culling, DISPLAY_HZ, Detail, ErrorSample,
+};
 use articula_build::{SceneCharacter, draw_vertices};
 use articula_core::{Camera, PosedMesh, Wrap, percentile_at_or_above};
+use articula_report::thread_ns;
 use glam::{Vec2, Vec3};
 
 /// Number of measured skin points of a character.
@@ -77,9 +80,8 @@ impl<'a> Held<'a> {
                 }
             }
             ms.push(1e-6 * ns);
-            if frame.is_multiple_of(LOOK_EVERY)
-                && let Some(look) = seen.get(frame / LOOK_EVERY)
-            {
+            let is_now = |sample: &&ErrorSample| (sample.secs * DISPLAY_HZ).round() == frame as f64;
+            if let Some(look) = seen.iter().find(is_now) {
                 looks.push(self.look(look, &now, secs)?);
             }
             before = now;

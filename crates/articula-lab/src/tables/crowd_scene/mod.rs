@@ -11,14 +11,14 @@ mod stage;
 
 use super::Run;
 use super::targets::{Target, section};
-use crate::measure::thread_ns;
 use crate::peers::ranks::{Beyond, Ranks};
 use anyhow::{Context, Result};
+use articula::Executor;
 use articula::crowd::{
-    Budget, CacheUse, CrowdAsset, DetailGoal, ErrorMeter, ErrorSample, ErrorSummary, Hiders,
-    SceneOptions, ScenePlayer, write_scene,
+    CacheUse, CrowdAsset, DISPLAY_HZ, DetailGoal, ErrorSample, ErrorSummary, Hiders,
+    MeasureOptions, SceneOptions, measure_scene, write_scene,
 };
-use articula_core::percentile_at_or_above;
+use articula_report::FRAME_CLOCKS;
 use by_ranks::Held;
 use clap::Args;
 use stage::Stage;
@@ -26,14 +26,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 const SEED: u64 = 1;
-const DISPLAY_HZ: f64 = 60.0;
-/// Frames at a standstill before the first one that counts.
-const WARM_UP: usize = 30;
 const FRAMES: usize = 240;
 /// Frames of a small run.
 const FEW_FRAMES: usize = 16;
-/// Frames between two measurements.
-const LOOK_EVERY: usize = 15;
 /// Time of a frame, milliseconds.
 const BUDGET_MS: f64 = 1.5;
 /// Maximum errors in pixels: 95th percentile over visible characters, and maximum within 20 m.
@@ -54,7 +49,7 @@ struct Played {
     name: String,
     /// Milliseconds of a frame: median, and 95th percentile.
     ms: [f64; 2],
-    /// Characters that are evaluated or written in a frame, mean.
+    /// Characters that are evaluated or written in a frame: the median, of ranks the mean.
     shown: f64,
     looks: Vec<ErrorSample>,
     /// Errors of the characters of the main role.
@@ -125,7 +120,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
         );
         rows.push(held.play((&name, more), &seen, frames)?);
     }
-    run.save("crowd-scene", &page(&stage, &rows)?, &csv(&rows)?)
+    run.save("crowd-scene", &page(&stage, &rows, frames)?, &csv(&rows)?)
 }
 
 fn budget() -> DetailGoal {
@@ -142,73 +137,25 @@ fn ours(
     (name, detail, cache): (&str, DetailGoal, CacheUse),
     frames: usize,
 ) -> Result<Played> {
-    let options = SceneOptions {
-        detail,
-        cache,
-        hiders: Hiders::Walls,
+    let options = MeasureOptions {
+        scene: SceneOptions {
+            detail,
+            cache,
+            hiders: Hiders::Walls,
+        },
+        threads: 1,
+        frames,
+        seed: SEED,
     };
-    let mut player = ScenePlayer::new(assets, stage.scene.clone(), options)?;
-    let mut meters: Vec<ErrorMeter> = assets.iter().map(|a| ErrorMeter::new(a, SEED)).collect();
-    let mut budget = match detail {
-        DetailGoal::Budget { ms, cap_px } => Some(Budget::new(1e6 * f64::from(ms), cap_px)),
-        _ => None,
-    };
-    let (mut ms, mut shown, mut looks) = (Vec::new(), 0, Vec::new());
-    for frame in 0..WARM_UP + frames {
-        let step = if frame > WARM_UP {
-            1.0 / DISPLAY_HZ
-        } else {
-            0.0
-        };
-        let start = thread_ns();
-        if let Some(budget) = &budget {
-            player.set_tolerance(budget.px());
-        }
-        let report = player.plan(step)?;
-        if let Some(budget) = &mut budget {
-            player.add_to(budget);
-        }
-        let planned = thread_ns();
-        player
-            .crowds_mut()
-            .iter_mut()
-            .for_each(|crowd| crowd.evaluate());
-        let evaluated = thread_ns();
-        if let Some(budget) = &mut budget {
-            budget.observe((planned - start) as f64, (evaluated - planned) as f64);
-        }
-        if frame < WARM_UP {
-            continue;
-        }
-        ms.push(1e-6 * (thread_ns() - start) as f64);
-        shown += report.visible;
-        if (frame - WARM_UP).is_multiple_of(LOOK_EVERY) {
-            let secs = player.secs();
-            let mut all = ErrorSample {
-                secs,
-                characters: Vec::new(),
-            };
-            for (c, (meter, crowd)) in meters.iter_mut().zip(player.crowds()).enumerate() {
-                let sample = meter.measure(crowd, secs, &player.error_views(c)?);
-                for mut character in sample.characters {
-                    character.character = player.member(c, character.character);
-                    all.characters.push(character);
-                }
-            }
-            looks.push(all);
-        }
-    }
-    let overrun = matches!(detail, DetailGoal::Budget { .. }).then(|| {
-        let mut over: Vec<f64> = ms.iter().map(|ms| 100.0 * (ms / BUDGET_MS - 1.0)).collect();
-        percentile_at_or_above(&mut over, 0.95)
-    });
+    let work = Executor::default();
+    let found = measure_scene(assets, &stage.scene, &options, FRAME_CLOCKS, &work)?;
     Ok(Played {
         name: name.to_owned(),
-        ms: [0.5, 0.95].map(|share| percentile_at_or_above(&mut ms.clone(), share)),
-        shown: shown as f64 / frames as f64,
-        main: of_main(stage, &looks),
-        looks,
-        overrun,
+        ms: [found.frame_ms.median, found.frame_ms.p95],
+        shown: found.visible as f64,
+        main: of_main(stage, &found.samples),
+        looks: found.samples,
+        overrun: found.overrun_p95.map(|over| 100.0 * over),
     })
 }
 
@@ -229,14 +176,14 @@ fn of_main(stage: &Stage, looks: &[ErrorSample]) -> ErrorSummary {
     ErrorSummary::of(&looks.collect::<Vec<_>>())
 }
 
-fn page(stage: &Stage, rows: &[Played]) -> Result<String> {
+fn page(stage: &Stage, rows: &[Played], frames: usize) -> Result<String> {
     let mut page = format!(
         "# A mixed scene under one budget\n\n\
          Made by `cargo run --release -p articula-lab -- crowd-scene`; with `--scene F.json` it writes the scene, which \
          `articula crowd --scene F.json` plays and draws. {} characters of {} kinds ({}), each 1.8 m high, in rows 2 m \
          apart; {} walls; two views of 1920 x 1080 pixels, one of which drives through the crowd while the other looks \
          down from a balcony; {} of the characters have the role *main* (importance 4) and half of the others \
-         *audience* (0.5). One thread, {} frames at 60 Hz.\n\n",
+         *audience* (0.5). One thread, {frames} frames at {DISPLAY_HZ} Hz.\n\n",
         stage.scene.members.len(),
         stage.cast.len(),
         stage
@@ -247,7 +194,6 @@ fn page(stage: &Stage, rows: &[Played]) -> Result<String> {
             .join(", "),
         stage.scene.walls.len(),
         stage.mains(),
-        rows.first().map_or(0, |r| r.looks.len()) * LOOK_EVERY,
     );
     let mut targets = Vec::new();
     for row in rows.iter().filter(|row| row.overrun.is_some()) {

@@ -5,6 +5,7 @@ use super::portraits::{Row as Portrait, YAWS_DEGREES};
 use super::profiles::THESIS;
 use super::targets;
 use anyhow::Result;
+use articula_flat::flatten::FileSize;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Conversion to 2D
@@ -18,9 +19,9 @@ of the command's default of 25 a second, adjusted so that the last one falls on 
 Errors are measured on the file, read back: corners in pixels; the picture against an 8 x 8 supersampled
 one without a painting order, over the character's pixels, at every tenth frame and halfway between
 frames (mean / worst). *B/t/f* is bytes per drawn triangle and frame. *x* is the size of the thesis' form
-(`path`) of the same clip divided by the size of the file. That form is written from the cut clip too,
-which on the face makes it 3 % larger than uncut. Wrong pixels in the CSV are those of Articula's painting
-orders, also in the rows of the thesis. The player's picture is drawn from its container with exact
+(`path`) of the same clip divided by the size of the file, both as they are, both with gzip and both with
+Brotli. That form is written from the cut clip too, which on the face makes it 3 % larger than uncut. Wrong
+pixels in the CSV are those of Articula's painting orders, also in the rows of the thesis. The player's picture is drawn from its container with exact
 interpolation of colours; its script draws one gradient per triangle, and that loss and the seams of its
 canvas are not in the rows.
 ";
@@ -38,7 +39,7 @@ triangles drawn then.
 ";
 
 const PROFILES: &str = "
-| profile | kB raw / gzip / brotli | B/t/f raw / brotli | x | corner error, px | colour RMSE, levels, mean / worst | SSIM mean / worst | shapes | keys | seconds |
+| profile | kB raw / gzip / brotli | B/t/f raw / brotli | x raw / gzip / brotli | corner error, px | colour RMSE, levels, mean / worst | SSIM mean / worst | shapes | keys | seconds |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
@@ -120,7 +121,10 @@ fn profiles(page: &mut String, found: &Found) -> Result<()> {
         found.case.name, found.case.file, found.case.clip, found.triangles, found.frames
     )?;
     page.push_str(PROFILES);
-    let naive = found.row(THESIS).map(|r| r.flat.sizes.raw);
+    let thesis = found.row(THESIS).map(|r| r.flat.sizes);
+    let smaller = |of: fn(&FileSize) -> u64, size| {
+        thesis.map_or(0.0, |thesis| of(&thesis) as f64 / of(&size) as f64)
+    };
     for row in &found.profiles {
         let flat = &row.flat;
         let sizes = flat.sizes;
@@ -128,14 +132,16 @@ fn profiles(page: &mut String, found: &Found) -> Result<()> {
         let image = flat.errors.image;
         writeln!(
             page,
-            "| {} | {:.1} / {:.1} / {:.1} | {:.2} / {:.2} | {:.1} | {:.3} | {:.1} / {:.1} | {:.4} / {:.4} | {} | {} | {:.1} |",
+            "| {} | {:.1} / {:.1} / {:.1} | {:.2} / {:.2} | {:.1} / {:.1} / {:.1} | {:.3} | {:.1} / {:.1} | {:.4} / {:.4} | {} | {} | {:.1} |",
             row.name,
             kilo(sizes.raw),
             kilo(sizes.gzip),
             kilo(sizes.brotli),
             flat.per_triangle_and_frame(sizes.raw),
             flat.per_triangle_and_frame(sizes.brotli),
-            naive.map_or(0.0, |n| n as f64 / sizes.raw as f64),
+            smaller(|s| s.raw, sizes),
+            smaller(|s| s.gzip, sizes),
+            smaller(|s| s.brotli, sizes),
             flat.errors.position_rmse_px,
             image.rmse_levels,
             image.rmse_levels_max,

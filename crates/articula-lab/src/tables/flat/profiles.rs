@@ -1,6 +1,5 @@
 //! Size and error of every profile, read back from the files.
 
-use crate::measure::thread_ns;
 use anyhow::{Context, Result};
 use articula::flatten::FramedCharacter;
 use articula_core::Progress;
@@ -12,6 +11,7 @@ use articula_flat::planar::PlanarClip;
 use articula_flat::planar::Shading;
 use articula_flat::vector::player::PlayerOutput;
 use articula_flat::vector::{ThesisForm, ThesisSvgOptions, thesis};
+use articula_report::thread_ns;
 use std::path::Path;
 
 /// A profile with its settings.

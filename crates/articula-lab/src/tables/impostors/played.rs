@@ -1,9 +1,10 @@
 //! A crowd whose characters all have the same size on the screen: time, bytes and vertices of each.
 
 use super::{Row, Subject};
-use crate::measure::{median, thread_ns};
+use crate::measure::median;
 use anyhow::Result;
 use articula::crowd::{CacheUse, Camera, CrowdAsset, CrowdPlayer, Culling, Detail, DrawKind, View};
+use articula_report::thread_ns;
 use glam::Vec3;
 use std::f32::consts::TAU;
 

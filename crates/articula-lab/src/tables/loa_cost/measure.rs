@@ -1,6 +1,5 @@
 //! One pass over a clip with a set of joints that move: times of its stages, and what was done.
 
-use crate::measure::thread_ns;
 use articula_build::Asset;
 use articula_core::crowd::ClipState;
 use articula_core::playback::{
@@ -8,6 +7,7 @@ use articula_core::playback::{
     MotionController,
 };
 use articula_core::{Clip, GroupedSkin, JointSet, LocalPose};
+use articula_report::thread_ns;
 use std::hint::black_box;
 use std::sync::Arc;
 

@@ -13,11 +13,11 @@ mod sizes;
 mod targets;
 
 use super::Run;
-use crate::measure::thread_ns;
 use crate::peers::draco;
 use anyhow::Result;
 use articula_build::SkinPoseSource;
 use articula_build::{SimplifyOptions, simplify};
+use articula_report::thread_ns;
 use characters::{CHARACTERS, Entry, PICTURED, SMALL};
 use contestants::{Contestant, Posed};
 use sheet::Extent;

@@ -2,13 +2,13 @@
 
 use super::characters::Subject;
 use super::progressive::{PartLevel, Progressive};
-use crate::measure::thread_ns;
 use crate::peers::{draco, meshopt};
 use crate::wire_mesh::{PRECISION, WireMesh};
 use anyhow::{Context, Result, ensure};
 use articula_build::LevelTriangles;
 use articula_build::{ClusterOrder, cluster};
 use articula_core::source::Primitive;
+use articula_report::thread_ns;
 use articula_stream::StreamLimits;
 use articula_stream::mesh::{Grid, Quantised, QuantisedMesh, decode_level, encode_level, quantise};
 

@@ -1,10 +1,11 @@
 //! ABP-2 of one clip: sizes, errors and speeds of its forms.
 
 use super::judge::{Errors, Sampled, errors};
-use crate::measure::{median, thread_ns};
+use crate::measure::median;
 use anyhow::Result;
 use articula_build::Asset;
 use articula_core::Clip;
+use articula_report::thread_ns;
 use articula_stream::abp2::{EncodedMotion, Grouping, MotionOptions, MotionReceiver, encode};
 use articula_stream::{CutRule, StreamLimits, cut};
 use std::hint::black_box;

@@ -32,7 +32,9 @@ use super::head::{FaceHead, MotionHead};
 use super::map::motion_map;
 use super::pose_unit::{self, MOST_TIERS, TrackForm};
 use super::receiver::MotionReceiver;
+use super::skeleton;
 use super::tracks::{TrackPlace, TrackTable, pose_tracks};
+use super::unit_form::VERSION;
 use super::wavelet::MOST_FRAMES;
 use crate::abp2::face_channels;
 use crate::limits::StreamLimits;
@@ -65,12 +67,16 @@ pub struct MotionOptions {
     pub access_unit_secs: f64,
     /// For each morph target of the mesh its group: level of articulation and region. Empty: one group.
     pub morph_groups: Vec<Group>,
-    /// Hash of the rig, by which an application finds it.
+    /// Hash of the rig, by which an application finds it: the first 8 bytes of BLAKE3, as the form says;
+    /// 0 does not tell.
     pub rig_hash: u64,
     /// Order of the units of an access unit.
     pub order: UnitOrder,
     /// Whether the error after each unit is measured.
     pub manifest: bool,
+    /// Whether the skeleton is carried ([`CarriedSkeleton`](super::CarriedSkeleton)), so that the stream
+    /// can be shown without its character.
+    pub skeleton: bool,
 }
 
 /// Order of the units of an access unit, which matters where a stream ends early.
@@ -79,7 +85,8 @@ pub enum UnitOrder {
     /// By tier, then by group: every part of the body, coarse first.
     #[default]
     Tier,
-    /// By the mean square of the error that a unit takes away for its bytes, the greatest first.
+    /// By the mean square of the error that a unit takes away for its bytes, the greatest first; those
+    /// of the coarsest tier come before all others.
     Value,
 }
 
@@ -106,11 +113,12 @@ impl Default for MotionOptions {
             tiers: 5,
             grouping: Grouping::Loa,
             updates: true,
-            access_unit_secs: 2.0,
+            access_unit_secs: 1.0,
             morph_groups: Vec::new(),
             rig_hash: 0,
             order: UnitOrder::Tier,
             manifest: false,
+            skeleton: false,
         }
     }
 }
@@ -294,6 +302,7 @@ fn head(
         .any(|track| usize::from(track.target) < slots);
     let has_morphs = moves || mesh.morph_weights.iter().any(|weight| *weight != 0.0);
     Ok(MotionHead {
+        version: VERSION,
         name: clip.name.clone(),
         grouping: options.grouping,
         updates: options.updates,
@@ -383,7 +392,8 @@ fn write(
         levels: &levels,
     };
     let mut prefixes = Prefixes::new(coding, &coder, judge);
-    let mut bytes = head.write(&poses);
+    let carried = options.skeleton.then(|| skeleton::write(rig));
+    let mut bytes = head.write(&poses, carried.as_deref());
     let mut manifest = Vec::new();
     for (number, order) in coding.orders.iter().enumerate() {
         let mut units = coder.units(number, order)?;
@@ -391,7 +401,7 @@ fn write(
             units = prefixes.by_value(number, units);
         }
         let start = bytes.len();
-        access_unit::write(&mut bytes, order.len(), head.tiers, &units);
+        access_unit::write(&mut bytes, number, head, &units);
         if options.manifest {
             let whole = AccessUnit::read(&bytes, start, number, head);
             let read = whole

@@ -10,8 +10,8 @@ use super::units::{CodedUnit, UnitCoder};
 use crate::abp2::pose_unit::Kind;
 use std::ops::Range;
 
-/// Bytes of the number and the length of a unit.
-const HEADER_BYTES: usize = 2;
+/// Bytes of a unit besides its body: number and length, and the checksum.
+const HEADER_BYTES: usize = 3;
 
 /// What prefixes of access units show.
 pub(super) struct Prefixes<'a> {
@@ -117,8 +117,8 @@ impl<'a> Prefixes<'a> {
         sums
     }
 
-    /// Orders the units of an access unit, given by tier, by their value. The value of a unit is taken
-    /// to be that from before where the units in between move other parts of the body.
+    /// Orders the units of an access unit, given by tier, by their value: first those of the coarsest
+    /// tier among themselves, then the others. The value of a unit is taken to be that from before where the units in between move other parts of the body.
     pub(super) fn by_value(&mut self, access_unit: usize, units: Vec<CodedUnit>) -> Vec<CodedUnit> {
         self.start(access_unit);
         let groups = self.coder.table.of_group.len();
@@ -132,12 +132,19 @@ impl<'a> Prefixes<'a> {
         let mut errors: Vec<Option<f64>> = vec![None; groups];
         let mut ordered = Vec::new();
         let mut error = self.sums(access_unit).squares;
+        let coarsest = self.coding.head.tiers - 1;
+        let is_coarsest = |units: &Vec<CodedUnit>| units.last().is_some_and(|u| u.1 == coarsest);
         loop {
+            // The coarsest units are one range of bytes.
+            let only_coarsest = waiting.iter().any(is_coarsest);
             let mut best: Option<(f64, usize)> = None;
             for group in 0..groups {
                 let Some((_, tier, body)) = waiting[group].last() else {
                     continue;
                 };
+                if only_coarsest && *tier != coarsest {
+                    continue;
+                }
                 let with = match errors[group] {
                     Some(known) => known,
                     None => {

@@ -56,6 +56,7 @@ const LABELS: &[(Family, &str, &str)] = &[
     (Family::Abp2, "head", ":ABP2:Head"),
     (Family::Abp2, "head_bytes", ":ABP2:HeadBytes"),
     (Family::Abp2, "pose", ":ABP2:Pose"),
+    (Family::Abp2, "skeleton", ":ABP2:Skeleton"),
     (Family::Abp2, "abp2", ":ABP2:Stream"),
     (Family::Afp2, "unit", ":AFP2:Unit"),
     (Family::Afp2, "access_unit", ":AFP2:AccessUnit"),

@@ -1,6 +1,6 @@
 //! Streams of facial animation parameters, alone or in MP4 files.
 
-use crate::clip_streams::{StreamKind, afp1, afp2, fba, mp4, stream_limits};
+use crate::clip_streams::{AccessUnitCount, StreamKind, afp1, afp2, fba, mp4, stream_limits};
 use crate::error::{Error, Result};
 use crate::open::DataFormat;
 use articula_formats::mpeg4::fap::FapClip;
@@ -29,14 +29,26 @@ pub(in crate::open) fn open_face(
         let no_face = || Error::unsuited("no track of the MP4 file is a stream of a face");
         let taken = taken.ok_or_else(no_face)?;
         let clip = face_stream(&taken.bytes, name, taken.kind, limits)?;
-        return Ok((clip, taken.warnings()));
+        let mut warnings = taken.warnings();
+        warnings.extend(partial(&taken.bytes, limits)?);
+        return Ok((clip, warnings));
     }
     let kind = match format {
         DataFormat::Fba => StreamKind::Fba,
         _ if StreamKind::of(bytes) == Some(StreamKind::Afp2) => StreamKind::Afp2,
         _ => StreamKind::Afp1,
     };
-    Ok((face_stream(bytes, name, kind, limits)?, Vec::new()))
+    let clip = face_stream(bytes, name, kind, limits)?;
+    Ok((clip, partial(bytes, limits)?))
+}
+
+/// The warning that access units of a stream are missing, if they are.
+fn partial(bytes: &[u8], limits: &Limits) -> Result<Vec<Warning>> {
+    let count = AccessUnitCount::in_stream(bytes, &stream_limits(limits))?;
+    Ok(count
+        .and_then(|count| count.warning())
+        .into_iter()
+        .collect())
 }
 
 /// Reads a stream of a face.

@@ -1,0 +1,89 @@
+//! What is odd about a clip, whatever it is transferred to.
+
+use super::RetargetFigure;
+use super::motion::{JUMP_RADIANS, Motion};
+use super::rest::Rest;
+use articula_core::Mismatch;
+use articula_core::source::RawClip;
+use glam::{Quat, Vec3};
+
+/// Greatest angle of a joint against its parent between the ends of a clip that repeats.
+const SAME_RADIANS: f32 = 0.15;
+/// Least angle by which a joint moves between them.
+const MOVED_RADIANS: f32 = 0.2;
+/// Number of frames of the short look at a clip.
+const LOOKS: usize = 9;
+/// Times of the first two frames of a clip beyond which it is no capture, seconds.
+const MAX_STEP_SECS: f32 = 0.25;
+
+/// The mapped joint that turns the farthest between the first two frames of a clip, and its angle in
+/// radians, if it turns much farther than any joint does between other frames; `None` if not.
+///
+/// O(joints), and O(frames x joints) if the first step is a large one.
+///
+/// # Errors
+/// A [`Mismatch`] if the clip does not belong to the figure, or is longer than can be sampled.
+pub fn first_frame_jump(
+    figure: &RetargetFigure<'_>,
+    clip: &RawClip,
+) -> Result<Option<(usize, f32)>, Mismatch> {
+    let rest = Rest::new(figure, "clip")?;
+    let Some(step_secs) = first_step_secs(clip).filter(|secs| *secs <= MAX_STEP_SECS) else {
+        return Ok(None);
+    };
+    let begin = Motion::at(clip, figure.skeleton, &rest, vec![0.0, step_secs])?;
+    let jumps = |joint: usize| begin.turned(&rest, [0, 1], joint) > JUMP_RADIANS;
+    if !mapped(&rest).any(jumps) {
+        return Ok(None);
+    }
+    let motion = Motion::new(clip, figure.skeleton, &rest, None)?;
+    Ok(motion.first_frame_jump(&rest))
+}
+
+/// The turn of a clip about the vertical from its beginning to its end, in radians from -pi to pi,
+/// towards the left of the figure; `None` unless it ends in the pose in which it begins and moves in
+/// between.
+///
+/// O(joints).
+///
+/// # Errors
+/// As [`first_frame_jump`].
+pub fn turn_of_repeat(
+    figure: &RetargetFigure<'_>,
+    clip: &RawClip,
+) -> Result<Option<f32>, Mismatch> {
+    let rest = Rest::new(figure, "clip")?;
+    let Some(root) = rest.find("humanoid_root") else {
+        return Ok(None);
+    };
+    let last = LOOKS - 1;
+    let time = |look: usize| clip.duration_secs * look as f32 / last as f32;
+    let motion = Motion::at(clip, figure.skeleton, &rest, (0..LOOKS).map(time).collect())?;
+    let limbs: Vec<usize> = mapped(&rest).filter(|joint| *joint != root).collect();
+    let turned = |to: usize, joint: &usize| motion.turned(&rest, [0, to], *joint);
+    let returns = limbs.iter().all(|j| turned(last, j) < SAME_RADIANS);
+    let moves = (1..last).any(|look| limbs.iter().any(|j| turned(look, j) > MOVED_RADIANS));
+    if !returns || !moves {
+        return Ok(None);
+    }
+    let turn = motion.deltas(last)[root] * motion.deltas(0)[root].inverse();
+    Ok(Some(about_vertical(turn)))
+}
+
+fn mapped(rest: &Rest) -> impl Iterator<Item = usize> {
+    (0..rest.len()).filter(|joint| rest.hanim[*joint].is_some())
+}
+
+/// The angle of the part of a rotation that is about +Y.
+fn about_vertical(turn: Quat) -> f32 {
+    let along = Vec3::new(turn.x, turn.y, turn.z).dot(Vec3::Y);
+    let half = along.atan2(turn.w);
+    let whole = 2.0 * half;
+    whole - std::f32::consts::TAU * (whole / std::f32::consts::TAU).round()
+}
+
+/// The time of the second key of the channel that has it first.
+fn first_step_secs(clip: &RawClip) -> Option<f32> {
+    let second = clip.channels.iter().filter_map(|c| c.times_secs.get(1));
+    second.copied().filter(|secs| *secs > 0.0).reduce(f32::min)
+}

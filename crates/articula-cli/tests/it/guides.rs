@@ -1,0 +1,133 @@
+//! The commands of the readme and of the guides run as they stand there, one after the other in one
+//! folder, and the numbers of the readme are those of the pages that it names.
+
+use crate::judges::{is_here, is_required};
+use crate::program::{articula, edited, folder};
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn page(name: &str) -> String {
+    std::fs::read_to_string(root().join(name)).unwrap()
+}
+
+/// A figure of 21 joints and 800 triangles, and a walk of another one.
+fn case(name: &str) -> PathBuf {
+    root()
+        .join("crates/articula-formats/tests/cases")
+        .join(name)
+}
+
+/// The commands of this program in the shell blocks of a page, without comments.
+fn commands(page: &str) -> Vec<String> {
+    let mut commands = Vec::new();
+    let mut in_block = false;
+    for line in page.lines() {
+        match line {
+            "```sh" => in_block = true,
+            "```" => in_block = false,
+            _ if in_block => {
+                let command = line.split(" #").next().unwrap_or_default().trim();
+                let rest = command.strip_prefix("articula ");
+                commands.extend(rest.map(str::to_owned));
+            }
+            _ => {}
+        }
+    }
+    commands
+}
+
+/// Runs the commands of a page in a folder.
+fn run(name: &str, folder: &Path) {
+    let commands = commands(&page(name));
+    assert!(commands.len() > 4, "{name} has no commands");
+    for command in commands {
+        if command.ends_with("--engine xslt") && !is_here("xsltproc", "--version") {
+            assert!(!is_required("ARTICULA_REQUIRE_TOOLS"), "no xsltproc");
+            continue;
+        }
+        let words: Vec<&str> = command.split_whitespace().collect();
+        let ran = articula(folder, &words);
+        assert_eq!(ran.status, 0, "{name}: {command}: {}", ran.err);
+    }
+}
+
+/// Files that the readme asks for.
+fn start(name: &str) -> PathBuf {
+    let folder = folder(name);
+    std::fs::copy(case("b_base.bvh"), folder.join("walk.bvh")).unwrap();
+    folder
+}
+
+#[test]
+fn the_readme_runs_with_a_character_that_has_clips() {
+    let folder = start("guide-readme-clips");
+    std::fs::copy(case("base.glb"), folder.join("my.glb")).unwrap();
+    run("README.md", &folder);
+}
+
+#[test]
+fn the_readme_runs_with_a_character_that_has_none() {
+    let folder = start("guide-readme-still");
+    edited(&case("base.glb"), &folder.join("my.glb"), |document| {
+        document.as_object_mut().unwrap().remove("animations");
+    });
+    run("README.md", &folder);
+}
+
+#[test]
+fn the_guide_to_adaptation_runs() {
+    let folder = folder("guide-adaptation");
+    edited(&case("base.glb"), &folder.join("knight.glb"), |document| {
+        document["animations"][0]["name"] = json!("Walking_A");
+    });
+    let phone = r#"<UsageEnvironmentProperty><Description>
+        <NetworkCharacteristic><AvailableBandwidth average="500000"/></NetworkCharacteristic>
+        </Description></UsageEnvironmentProperty>"#;
+    std::fs::write(folder.join("phone.xml"), phone).unwrap();
+    let server = json!({"network": {"max_capacity_bps": 2_000_000}});
+    std::fs::write(folder.join("server.json"), server.to_string()).unwrap();
+    run("docs/adaptation.md", &folder);
+}
+
+/// Numbers of a text, without the commas between thousands.
+fn numbers(text: &str) -> Vec<String> {
+    let is_part = |c: char| c.is_ascii_digit() || c == '.' || c == ',';
+    let words = text.split(|c| !is_part(c));
+    words
+        .map(|word| word.trim_matches(['.', ',']).replace(',', ""))
+        .filter(|word| word.starts_with(|c: char| c.is_ascii_digit()))
+        .collect()
+}
+
+/// A text without the targets of its links, whose numbers are no claims.
+fn without_links(text: &str) -> String {
+    let mut parts = text.split("](");
+    let mut kept = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        kept.push_str(part.split_once(')').map_or("", |(_, after)| after));
+    }
+    kept
+}
+
+#[test]
+fn the_numbers_of_the_readme_are_in_the_results_that_it_names() {
+    let readme = page("README.md");
+    let mut checked = 0;
+    for bullet in readme.split("\n- **").skip(1) {
+        let Some((text, rest)) = bullet.split_once("([`articula-lab") else {
+            continue;
+        };
+        let (_, link) = rest.split_once("](").unwrap();
+        let (results, _) = link.split_once(')').unwrap();
+        let found = numbers(&page(results));
+        for number in numbers(&without_links(text)) {
+            assert!(found.contains(&number), "{results} does not have {number}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 20, "{checked} numbers");
+}

@@ -1,0 +1,170 @@
+// How far written motions are from their source, judged by three.js: `node resampling.mjs PROGRAM
+// FILE[#CLIP]...`. PROGRAM is the articula program, FILE a GLB; without CLIP all clips of the file. Each
+// clip is written as GLB, as motion streams of 0.1 and 1 mm, which are decoded onto FILE, and as BVH; source
+// and result are played at seeded random times. Prints one JSON row for each of them, {file, clip, way,
+// max_mm, secs, bound_mm}, and a table on standard error. Ends with status 1 if a bound is exceeded.
+//
+// The whole set of real files: `node resampling.mjs ../target/debug/articula ../../shared/data/glb/*.glb`.
+
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { basename, join } from "node:path";
+import { AnimationMixer, LoopOnce, Vector3 } from "three";
+import { openScene } from "./scene.mjs";
+
+const { BVHLoader } = await import("three/addons/loaders/BVHLoader.js");
+
+const RANDOM_TIMES = 24;
+const MOST_VERTICES = 1500;
+
+/** Resampling within 0.1 mm, the stated tolerance, and for regular keys that turn fast what blends lag. */
+const RESAMPLING_MM = 0.1;
+/** A BVH file rounds centimetres and degrees to some decimals, which add up along an arm. */
+const BVH_MM = 0.2;
+
+/** Mulberry32: seeded numbers in [0, 1). */
+function random(seed) {
+  let state = seed >>> 0;
+  return () => {
+    state = (state + 0x6d2b79f5) >>> 0;
+    let t = Math.imul(state ^ (state >>> 15), state | 1);
+    t ^= t + Math.imul(t ^ (t >>> 7), t | 61);
+    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+/** Plays a clip below a root from its beginning to each time and calls `show`. */
+function play(root, clip, times, show) {
+  const mixer = new AnimationMixer(root);
+  const action = mixer.clipAction(clip);
+  action.setLoop(LoopOnce, 1);
+  action.clampWhenFinished = true;
+  return times.map((time) => {
+    action.reset().play();
+    mixer.update(time);
+    root.updateMatrixWorld(true);
+    return show();
+  });
+}
+
+/** World positions of at most so many vertices, spread evenly; flat. */
+function skin(scene) {
+  const meshes = [];
+  scene.traverse((object) => object.isMesh && meshes.push(object));
+  const count = meshes.reduce((sum, mesh) => sum + mesh.geometry.attributes.position.count, 0);
+  const step = Math.max(1, Math.ceil(count / MOST_VERTICES));
+  return () => {
+    const at = new Vector3();
+    const all = [];
+    for (const mesh of meshes) {
+      for (let i = 0; i < mesh.geometry.attributes.position.count; i += step) {
+        all.push(mesh.getVertexPosition(i, at).applyMatrix4(mesh.matrixWorld).clone());
+      }
+    }
+    return all;
+  };
+}
+
+/** World positions of named nodes, in metres. */
+function joints(find, names, metres) {
+  return () => names.map((name) => new Vector3().setFromMatrixPosition(find(name).matrixWorld).multiplyScalar(metres));
+}
+
+/** The greatest distance of two lists of positions over the times. */
+function farthest(times, wanted, shown) {
+  let worst = { max_mm: 0, secs: 0 };
+  times.forEach((secs, i) => {
+    wanted[i].forEach((at, k) => {
+      const max_mm = 1e3 * at.distanceTo(shown[i][k]);
+      // A distance that is no number counts as one, too.
+      if (!(max_mm <= worst.max_mm)) worst = { max_mm, secs };
+    });
+  });
+  return worst;
+}
+
+/** The scene of a GLB and its clip of a name, or the only one. */
+async function opened(file, name) {
+  const { gltf } = await openScene(file);
+  const clip = gltf.animations.find((one) => one.name === name) ?? gltf.animations[0];
+  return { scene: gltf.scene, clip };
+}
+
+function bvh(file) {
+  const { skeleton, clip } = new BVHLoader().parse(readFileSync(file, "utf8"));
+  // The loader adds offsets to position channels, which in this format take their place.
+  for (const track of clip.tracks.filter((one) => one.name.endsWith(".position"))) {
+    const bone = skeleton.bones.find((one) => `${one.name}.position` === track.name);
+    track.values = track.values.map((value, i) => value - bone.position.getComponent(i % 3));
+  }
+  return { skeleton, clip };
+}
+
+const [program, ...asked] = process.argv.slice(2);
+if (!program || asked.length === 0) {
+  console.error("usage: node resampling.mjs PROGRAM FILE[#CLIP]...");
+  process.exit(2);
+}
+const folder = mkdtempSync(join(tmpdir(), "articula-resampling-"));
+let isWithin = true;
+
+function articula(...words) {
+  const { status, stdout, stderr } = spawnSync(program, [...words, "--force", "--json"], { encoding: "utf8" });
+  if (status !== 0) throw new Error(`${words.join(" ")}: ${stderr}`);
+  return JSON.parse(stdout);
+}
+
+function told(file, clip, way, { max_mm, secs }, bound_mm) {
+  isWithin &&= max_mm <= bound_mm;
+  console.log(JSON.stringify({ file: basename(file), clip, way, max_mm, secs, bound_mm }));
+  const row = [basename(file).padEnd(36), clip.padEnd(32), way.padEnd(10), max_mm.toFixed(4).padStart(10), bound_mm];
+  console.error(row.join(" "));
+}
+
+async function judge(file, index, measured) {
+  const name = measured.name;
+  const source = await opened(file, name);
+  const seeded = random(1000 + index);
+  const times = Array.from({ length: RANDOM_TIMES }, () => seeded() * source.clip.duration);
+  const wanted = play(source.scene, source.clip, times, skin(source.scene));
+  // What frames of regular keys miss is stated; everything else stays within the bound.
+  const resampling_mm = Math.max(RESAMPLING_MM, measured.resampling_mm);
+  for (const [way, words, bound_mm] of [
+    ["glb", [], 0.01],
+    ["abp 0.1", ["--tolerance-mm", "0.1"], 0.1 + resampling_mm],
+    ["abp 1", ["--tolerance-mm", "1"], 1 + resampling_mm],
+  ]) {
+    const isStream = words.length > 0;
+    const written = join(folder, isStream ? "clip.abp" : "clip.glb");
+    articula("convert", file, written, "--clip", name, ...words);
+    const shown = join(folder, "shown.glb");
+    if (isStream) articula("convert", written, shown, "--onto", file);
+    const result = await opened(isStream ? shown : written, name);
+    const positions = play(result.scene, result.clip, times, skin(result.scene));
+    told(file, name, way, farthest(times, wanted, positions), bound_mm);
+  }
+  const written = join(folder, "clip.bvh");
+  articula("convert", file, written, "--clip", name);
+  const { skeleton, clip } = bvh(written);
+  const bone = (joint) => skeleton.bones.find((one) => one.name === joint);
+  const names = skeleton.bones.map((one) => one.name).filter((one) => one !== "ENDSITE");
+  const known = names.filter((one) => source.scene.getObjectByName(one));
+  const find = (joint) => source.scene.getObjectByName(joint);
+  const there = play(source.scene, source.clip, times, joints(find, known, 1));
+  const here = play(skeleton.bones[0], clip, times, joints(bone, known, 0.01));
+  told(file, name, "bvh", farthest(times, there, here), RESAMPLING_MM + BVH_MM);
+}
+
+try {
+  for (const word of asked) {
+    const [file, name] = word.split("#");
+    const clips = articula("inspect", file).clips;
+    const chosen = name === undefined ? clips : clips.filter((clip) => clip.name === name);
+    if (chosen.length === 0) throw new Error(`${file} has no clip ${name}`);
+    for (const [index, clip] of chosen.entries()) await judge(file, index, clip);
+  }
+} finally {
+  rmSync(folder, { recursive: true });
+}
+process.exit(isWithin ? 0 : 1);
