@@ -132,8 +132,8 @@ async function judge(file, index, measured) {
   const resampling_mm = Math.max(RESAMPLING_MM, measured.resampling_mm);
   for (const [way, words, bound_mm] of [
     ["glb", [], 0.01],
-    ["abp 0.1", ["--tolerance-mm", "0.1"], 0.1 + resampling_mm],
-    ["abp 1", ["--tolerance-mm", "1"], 1 + resampling_mm],
+    ["abp 0.1", ["--stream", "tolerance-mm=0.1"], 0.1 + resampling_mm],
+    ["abp 1", ["--stream", "tolerance-mm=1"], 1 + resampling_mm],
   ]) {
     const isStream = words.length > 0;
     const written = join(folder, isStream ? "clip.abp" : "clip.glb");

@@ -40,8 +40,8 @@ fn what_cannot_be_read_names_file_place_and_mend() {
     );
     check(
         &here,
-        "few.bvh",
-        BVH.replace("0 90 3 ", "").as_bytes(),
+        "nine.bvh",
+        BVH.replace("CHANNELS 6 ", "CHANNELS 9 ").as_bytes(),
         &["line"],
     );
     check(

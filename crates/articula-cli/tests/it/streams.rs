@@ -239,7 +239,9 @@ fn a_stream_that_ends_early_is_partial() {
     // A stream without its finer tiers has all access units.
     json(
         &here,
-        &["convert", figure, "c.abp", "--clip", "walk", "--tiers", "1"],
+        &[
+            "convert", figure, "c.abp", "--clip", "walk", "--stream", "tiers=1",
+        ],
     );
     let found = json(&here, &["inspect", "c.abp"]);
     assert_eq!(found["access_units"]["whole"], found["access_units"]["of"]);

@@ -114,9 +114,6 @@ fn options_may_stand_between_files() {
         &[
             "convert", "gone.bvh", "--onto", "gone.glb", "o.glb", "--force",
         ],
-        &[
-            "convert", "gone.bvh", "--trim", "..1", "gone.glb", "--to", "glb", "out/",
-        ],
         &["convert", "gone.bvh", "--loop", "q.glb"],
         &[
             "build", "gone.glb", "--seed", "2", "gone.bvh", "--levels", "2", "q.glb",
@@ -135,6 +132,16 @@ fn options_may_stand_between_files() {
         let line = fault(&here, 1, words);
         assert!(line.contains("gone."), "{words:?}: {line}");
     }
+    let words = [
+        "convert", "gone.bvh", "--trim", "..1", "gone.glb", "--to", "glb", "out/",
+    ];
+    let ran = articula(&here, &words);
+    assert_eq!(ran.status, 1);
+    assert!(
+        ran.err.contains("gone.bvh: ") && ran.err.contains("gone.glb: "),
+        "{}",
+        ran.err
+    );
     let line = fault(&here, 2, &["adapt", "gone", "--max-bytes", "9", "out"]);
     assert!(line.contains("no digital item"), "{line}");
 }

@@ -85,6 +85,15 @@ fn kept_nodes(
 ) -> Result<Vec<bool>, ReadError> {
     let mut kept = animated_nodes(&reader.root, tree.len())?;
     expression_of_node.keys().for_each(|n| kept[*n] = false);
+    let count = |is: &dyn Fn(usize) -> bool| (0..tree.len()).filter(|n| is(*n)).count();
+    let (skinned, beside) = (count(&|n| in_skin[n]), count(&|n| kept[n] && !in_skin[n]));
+    if skinned > 0 && beside > skinned {
+        // The skins are over a part of the figure; hands and feet rarely have keys.
+        for &n in &tree.order {
+            let is_below = tree.parents[n].is_some_and(|parent| kept[parent]);
+            kept[n] |= is_below && !expression_of_node.contains_key(&n);
+        }
+    }
     for (n, node) in reader.root.entries("nodes")?.iter().enumerate() {
         let is_rigid = node.get("mesh").is_some() && node.get("skin").is_none();
         kept[n] |= in_skin[n] || is_rigid && tree.in_scene[n];

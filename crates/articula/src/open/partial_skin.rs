@@ -96,7 +96,7 @@ mod tests {
                 &is_prop as &dyn Fn(&str) -> bool,
             ),
             (&is_prop, &is_prop),
-            (&is_prop, &|name: &str| name.starts_with("l_")),
+            (&is_prop, &|name: &str| name.ends_with("eyeball_joint")),
         ] {
             let mut character = human(in_skin, moves);
             let before = character.clone();
