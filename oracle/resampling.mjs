@@ -92,9 +92,12 @@ async function opened(file, name) {
 }
 
 function bvh(file) {
-  const { skeleton, clip } = new BVHLoader().parse(readFileSync(file, "utf8"));
+  const text = readFileSync(file, "utf8");
+  const { skeleton, clip } = new BVHLoader().parse(text);
+  const channels = text.matchAll(/(?:ROOT|JOINT) (.+)\n\s*\{\n\s*OFFSET.*\n\s*CHANNELS \d+ Xposition/g);
+  const moved = new Set(Array.from(channels, (found) => `${found[1].trim()}.position`));
   // The loader adds offsets to position channels, which in this format take their place.
-  for (const track of clip.tracks.filter((one) => one.name.endsWith(".position"))) {
+  for (const track of clip.tracks.filter((one) => moved.has(one.name))) {
     const bone = skeleton.bones.find((one) => `${one.name}.position` === track.name);
     track.values = track.values.map((value, i) => value - bone.position.getComponent(i % 3));
   }

@@ -2,7 +2,7 @@
 //! folder, and the numbers of the readme are those of the pages that it names.
 
 use crate::judges::{is_here, is_required};
-use crate::program::{articula, edited, folder};
+use crate::program::{articula, edited, folder, human};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -40,8 +40,8 @@ fn commands(page: &str) -> Vec<String> {
     commands
 }
 
-/// Runs the commands of a page in a folder.
-fn run(name: &str, folder: &Path) {
+/// Runs the commands of a page in a folder, each with `more` words.
+fn run(name: &str, folder: &Path, more: &[&str]) {
     let commands = commands(&page(name));
     assert!(commands.len() > 4, "{name} has no commands");
     for command in commands {
@@ -49,8 +49,9 @@ fn run(name: &str, folder: &Path) {
             assert!(!is_required("ARTICULA_REQUIRE_TOOLS"), "no xsltproc");
             continue;
         }
-        let words: Vec<&str> = command.split_whitespace().collect();
-        let ran = articula(folder, &words);
+        let words = command.replace('"', "");
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let ran = articula(folder, &[&words[..], more].concat());
         assert_eq!(ran.status, 0, "{name}: {command}: {}", ran.err);
     }
 }
@@ -66,7 +67,7 @@ fn start(name: &str) -> PathBuf {
 fn the_readme_runs_with_a_character_that_has_clips() {
     let folder = start("guide-readme-clips");
     std::fs::copy(case("base.glb"), folder.join("my.glb")).unwrap();
-    run("README.md", &folder);
+    run("README.md", &folder, &[]);
 }
 
 #[test]
@@ -75,7 +76,7 @@ fn the_readme_runs_with_a_character_that_has_none() {
     edited(&case("base.glb"), &folder.join("my.glb"), |document| {
         document.as_object_mut().unwrap().remove("animations");
     });
-    run("README.md", &folder);
+    run("README.md", &folder, &[]);
 }
 
 #[test]
@@ -90,7 +91,36 @@ fn the_guide_to_adaptation_runs() {
     std::fs::write(folder.join("phone.xml"), phone).unwrap();
     let server = json!({"network": {"max_capacity_bps": 2_000_000}});
     std::fs::write(folder.join("server.json"), server.to_string()).unwrap();
-    run("docs/adaptation.md", &folder);
+    run("docs/adaptation.md", &folder, &[]);
+}
+
+#[test]
+fn the_reference_of_commands_runs() {
+    let folder = folder("guide-commands");
+    for name in [
+        "hero.glb",
+        "figure.glb",
+        "idle.glb",
+        "mannequin.gltf",
+        "clips.glb",
+    ] {
+        std::fs::copy(case("base.glb"), folder.join(name)).unwrap();
+    }
+    std::fs::copy(case("b_base.bvh"), folder.join("walk.bvh")).unwrap();
+    std::fs::create_dir(folder.join("clips")).unwrap();
+    std::fs::copy(case("b_base.bvh"), folder.join("clips/walk.bvh")).unwrap();
+    std::fs::copy(human(), folder.join("head.glb")).unwrap();
+    let talk = root().join("assets/fap/speech_synthetic.fap");
+    std::fs::copy(talk, folder.join("talk.fap")).unwrap();
+    for command in [
+        "convert talk.fap talk.afp",
+        "package figure.glb item --no-2d",
+    ] {
+        let words: Vec<&str> = command.split(' ').collect();
+        assert_eq!(articula(&folder, &words).status, 0, "{command}");
+    }
+    // The page shows several ways to make the same file.
+    run("docs/commands.md", &folder, &["--force"]);
 }
 
 /// Numbers of a text, without the commas between thousands.
