@@ -355,6 +355,18 @@ mod tests {
     }
 
     #[test]
+    fn a_usual_rate_stands_for_one_with_as_many_frames_alone() {
+        let rows = |count: usize, secs: f32| {
+            let times = (0..count).map(|i| i as f32 * secs).collect();
+            source_rate_hz(&turning(times, Interpolation::Linear))
+        };
+        // 653 intervals of 8.342 ms are 5.447 s, which are 653.7 intervals of 120 Hz.
+        assert!((rows(654, 0.008342) - 1.0 / 0.008342).abs() < 1e-2);
+        assert_eq!(rows(300, 0.008342), 120.0);
+        assert_eq!(rows(3000, 0.0333333), 30.0);
+    }
+
+    #[test]
     fn a_sparse_linear_turn_is_followed_between_its_keys() {
         let clip = turning(vec![0.0, 0.9, 1.1], Interpolation::Linear);
         let built = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();

@@ -29,7 +29,7 @@ impl Appearance {
         let mut faults = Vec::new();
         let mut textures = Vec::with_capacity(images.len());
         for (i, image) in images.iter().enumerate() {
-            let shows = |m: &Material| [m.base_color_image, m.emissive_image].contains(&Some(i));
+            let shows = |m: &Material| m.images().any(|shown| shown == i);
             let named = materials.iter().any(shows);
             let decoded = named.then(|| Picture::decode(&image.bytes));
             textures.push(match decoded {

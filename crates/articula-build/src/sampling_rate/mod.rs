@@ -47,9 +47,10 @@ pub(crate) struct SamplingRate {
     pub(crate) frames_per_key: usize,
 }
 
-/// Returns the rate in hertz at which a clip was keyed: that of its most densely keyed channel, or
-/// 30 Hz where there are fewer than three keys. Frames at this rate may miss keys: see
-/// [`sampling_rate_hz`](crate::sampling_rate_hz).
+/// Returns the rate in hertz at which a clip was keyed: that of its most densely keyed channel, from 1
+/// to 240, or 30 where there are fewer than three keys. A usual rate within half a percent stands for
+/// it, unless it would have another number of frames over the keys. Frames at this rate may miss keys:
+/// see [`sampling_rate_hz`](crate::sampling_rate_hz).
 pub fn source_rate_hz(clip: &RawClip) -> f32 {
     let densest = clip.channels.iter().max_by_key(|c| c.times_secs.len());
     let Some(channel) = densest.filter(|c| c.times_secs.len() > 2) else {

@@ -255,6 +255,15 @@ fn arm(
     })
 }
 
+/// Keys that turn so little that a normalised blend follows them.
+fn slow(keys: &Keys) -> Keys {
+    let values = keys.values.iter().map(|v| 0.12 * v).collect();
+    Keys {
+        values,
+        ..keys.clone()
+    }
+}
+
 const RATES_HZ: [f64; 6] = [24.0, 25.0, 24_000.0 / 1001.0, 30_000.0 / 1001.0, 30.0, 60.0];
 
 proptest! {
@@ -273,7 +282,6 @@ proptest! {
             .prop_flat_map(|hz| arm(ticks(12, 1), hz, 0.0, Interpolation::Linear)),
     ) {
         // Each joint turns by up to 17 degrees in a frame, where a normalised blend lags by 1e-4 rad.
-        let slow = |k: &Keys| Keys { values: k.values.iter().map(|v| 0.12 * v).collect(), ..k.clone() };
         check(&slide, &slow(&shoulder), &slow(&elbow))?;
     }
 
@@ -282,7 +290,6 @@ proptest! {
         (slide, shoulder, elbow) in prop::sample::select(&[(24.0, 1.0 / 30.0), (24.0, 0.1), (30.0, 0.04)][..])
             .prop_flat_map(|(hz, start)| arm(ticks(12, 1), hz, start, Interpolation::Linear)),
     ) {
-        let slow = |k: &Keys| Keys { values: k.values.iter().map(|v| 0.12 * v).collect(), ..k.clone() };
         check(&slide, &slow(&shoulder), &slow(&elbow))?;
     }
 

@@ -64,6 +64,14 @@ impl Default for Material {
     }
 }
 
+impl Material {
+    /// Indices of the textures that the surface shows, in [`Character::images`].
+    pub fn images(&self) -> impl Iterator<Item = usize> {
+        let images = [self.base_color_image, self.emissive_image];
+        images.into_iter().flatten()
+    }
+}
+
 /// An encoded image (PNG, JPEG, ...), not decoded.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Image {

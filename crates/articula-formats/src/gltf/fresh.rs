@@ -360,8 +360,7 @@ fn check(character: &Character) -> Result<(), WriteError> {
         }
     }
     for (m, material) in character.materials.iter().enumerate() {
-        let mut images = [material.base_color_image, material.emissive_image].into_iter();
-        if images.any(|i| i.is_some_and(|i| i >= character.images.len())) {
+        if material.images().any(|i| i >= character.images.len()) {
             return wrong(format!("material {m}"), "its image index is out of range");
         }
     }

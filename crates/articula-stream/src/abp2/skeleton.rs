@@ -6,9 +6,10 @@ use super::grouping::region_number;
 use super::head::MotionHead;
 use crate::error::StreamError;
 use crate::limits::StreamLimits;
+use articula_core::loa::MAX_LEVEL;
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{
-    Articulation, ByteReader, JointArticulation, MalformedBytes, Region, Rig, Transform,
+    Articulation, ByteReader, JointArticulation, MalformedBytes, Mismatch, Region, Rig, Transform,
     push_varint,
 };
 use glam::{Quat, Vec3};
@@ -77,6 +78,9 @@ fn read_joint(
         return Err(reader.bad(what));
     }
     let [level, flags] = reader.take()?;
+    if level > MAX_LEVEL {
+        return Err(reader.bad(format!("level {level}, at most {MAX_LEVEL}")));
+    }
     let region = usize::from(flags & REGION).checked_sub(1);
     let region = region.and_then(|number| Region::ALL.get(number));
     let region = region.filter(|_| flags < 2 * SCALED);
@@ -122,13 +126,18 @@ fn floats<const N: usize>(reader: &mut ByteReader<'_>) -> Result<[f32; N], Malfo
     Ok(values)
 }
 
-/// Writes the joints of a rig; names are cut at the greatest length.
-pub(super) fn write(rig: &Rig) -> Vec<u8> {
+/// Writes the joints of a rig.
+///
+/// # Errors
+/// A [`Mismatch`] that names a joint whose name is too long.
+pub(super) fn write(rig: &Rig) -> Result<Vec<u8>, Mismatch> {
     let mut out = Vec::new();
     for (index, known) in rig.articulation().joints.iter().enumerate() {
         let rest = rig.rest_pose().get(index);
-        let is_turned = rest.rotation != Quat::IDENTITY;
-        let is_scaled = rest.scale != Vec3::ONE;
+        // By their bits: the hash of the rig tells -0 from 0.
+        let bits = |values: [f32; 4]| values.map(f32::to_bits);
+        let is_turned = bits(rest.rotation.to_array()) != bits(Quat::IDENTITY.to_array());
+        let is_scaled = rest.scale.to_array().map(f32::to_bits) != [1.0_f32.to_bits(); 3];
         let flag = |is_set: bool, flag: u8| if is_set { flag } else { 0 };
         push_varint(&mut out, rig.parent(index).map_or(0, |p| p as u64 + 1));
         out.push(known.level);
@@ -139,7 +148,13 @@ pub(super) fn write(rig: &Rig) -> Vec<u8> {
                 | flag(is_scaled, SCALED),
         );
         let name = rig.name(index);
-        let name = &name[..name.floor_char_boundary(MOST_NAME as usize)];
+        if name.len() as u64 > MOST_NAME {
+            let what = format!(
+                "its name has {} bytes; a stream carries at most {MOST_NAME}",
+                name.len()
+            );
+            return Err(Mismatch::new(format!("joint {index}"), what));
+        }
         push_varint(&mut out, name.len() as u64);
         out.extend(name.as_bytes());
         let floats = rest.translation.to_array().into_iter();
@@ -148,7 +163,7 @@ pub(super) fn write(rig: &Rig) -> Vec<u8> {
         let floats = floats.chain(rest.scale.to_array().into_iter().filter(|_| is_scaled));
         floats.for_each(|value| out.extend(value.to_be_bytes()));
     }
-    out
+    Ok(out)
 }
 
 #[cfg(test)]
@@ -160,6 +175,7 @@ mod tests {
         let vector = || prop::array::uniform3(-10.0_f32..10.0);
         let turn = prop_oneof![
             Just([0.0, 0.0, 0.0, 1.0]),
+            Just([-0.0, 0.0, 0.0, 1.0]),
             prop::array::uniform4(-1.0_f32..1.0)
         ];
         let scale = prop_oneof![Just([1.0; 3]), vector()];
@@ -201,8 +217,15 @@ mod tests {
                 articulation: Articulation { profile: String::new(), joints: known },
             };
             let rig = Rig::new(&written.skeleton, written.articulation.clone()).unwrap();
-            let bytes = write(&rig);
-            prop_assert_eq!(read_joints(&bytes, rig.len()), Ok(written));
+            let bytes = write(&rig).unwrap();
+            let read = read_joints(&bytes, rig.len()).unwrap();
+            // Equality does not tell -0 from 0.
+            let turns = |all: &Skeleton| -> Vec<[u32; 4]> {
+                let joints = all.joints.iter();
+                joints.map(|j| j.rest.rotation.to_array().map(f32::to_bits)).collect()
+            };
+            prop_assert_eq!(turns(&read.skeleton), turns(&written.skeleton));
+            prop_assert_eq!(read, written);
             for length in 0..bytes.len() {
                 prop_assert!(read_joints(&bytes[..length], rig.len()).is_err());
             }

@@ -21,7 +21,7 @@ mod face_clip;
 mod face_frame;
 pub mod fba;
 pub mod mp4;
-mod rig_hash;
+pub(crate) mod rig_hash;
 mod unit_tree;
 
 pub use access_units::AccessUnitCount;

@@ -14,7 +14,7 @@ pub(super) fn of_version(version: u8, rig: &Rig) -> u64 {
 
 /// Returns the first 8 bytes of BLAKE3 over parent, name and rest pose of each joint, as a number whose
 /// highest byte comes first.
-pub(super) fn rig_hash(rig: &Rig) -> u64 {
+pub(crate) fn rig_hash(rig: &Rig) -> u64 {
     let mut hasher = blake3::Hasher::new();
     for joint in 0..rig.len() {
         let parent = rig.parent(joint).map_or(u64::MAX, |parent| parent as u64);

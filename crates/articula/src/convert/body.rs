@@ -1,10 +1,10 @@
 //! BAP files: humanoid motion as MPEG-4 body animation parameters.
 
 use super::left_out::{EncodedFile, LossyPart, meshes};
+use super::written::rate_hz;
 use crate::error::Result;
 use crate::open::CharacterFile;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
-use articula_build::sampling_rate_hz;
 use articula_core::source::Character;
 use articula_formats::joint_map;
 use articula_formats::mpeg4::bap::{self, BapResidual};
@@ -42,12 +42,7 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
 /// cannot hold.
 fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFile> {
     let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
-    let character = source.character();
-    let rate_hz = match character.clips.first() {
-        Some(clip) => sampling_rate_hz(clip, &character.skeleton),
-        None => 30.0,
-    };
-    let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
+    let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz(source))?;
     let unsaid = unsaid(&sampled.residuals);
     let left_out = meshes(source).into_iter().chain(unsaid);
     Ok(EncodedFile::new(bap::write(&sampled.clip), left_out))

@@ -128,8 +128,8 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     })
 }
 
-/// The rate of the frames of the first clip.
-fn rate_hz(opened: &CharacterFile) -> f32 {
+/// The rate of the frames of the first clip in hertz.
+pub(super) fn rate_hz(opened: &CharacterFile) -> f32 {
     let character = opened.character();
     match character.clips.first() {
         Some(clip) => sampling_rate_hz(clip, &character.skeleton),

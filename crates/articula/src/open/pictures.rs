@@ -9,10 +9,7 @@ use std::collections::BTreeSet;
 /// decoded.
 pub(super) fn of_unknown_format(opened: &CharacterFile) -> Option<Warning> {
     let character = &opened.character;
-    let shown = character
-        .materials
-        .iter()
-        .filter_map(|m| m.base_color_image);
+    let shown = character.materials.iter().flat_map(|m| m.images());
     let unknown: BTreeSet<usize> = shown
         .filter(|i| {
             let image = character.images.get(*i);

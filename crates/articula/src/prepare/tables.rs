@@ -4,6 +4,7 @@
 
 use super::options::PrepareOptions;
 use super::part::PreparedPart;
+use crate::clip_streams::rig_hash::rig_hash;
 use crate::prepared::part::{COMPACT, CONTACTS, ERROR_MATRIX, POSE_KEYS, SEGS};
 use articula_build::evaluate::error_matrix_table;
 use articula_build::{
@@ -111,7 +112,7 @@ impl<'a> TableMaker<'a> {
             let Asset { rig, mesh, .. } = self.asset;
             let hashes = table_hashes(rig, clip, mesh);
             let options = MotionOptions {
-                rig_hash: hashes.rig,
+                rig_hash: rig_hash(rig),
                 ..compact.clone()
             };
             let coded = encode(rig, mesh, clip, &options).map_err(|mut e| {

@@ -84,7 +84,10 @@ fn hand_set_keys_are_kept_in_frames() {
 
 #[test]
 fn hand_set_keys_are_kept_on_another_figure() {
-    let (wave, other) = (file("hand_keyed_wave.glb"), file("rigt_cc.glb"));
+    let (wave, other) = (
+        file("hand_keyed_wave.glb"),
+        file("../../../articula-formats/tests/cases/rigt_cc.glb"),
+    );
     let options = AddClipsOptions {
         keep_own: false,
         ..AddClipsOptions::default()

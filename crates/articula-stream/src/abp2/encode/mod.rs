@@ -392,7 +392,7 @@ fn write(
         levels: &levels,
     };
     let mut prefixes = Prefixes::new(coding, &coder, judge);
-    let carried = options.skeleton.then(|| skeleton::write(rig));
+    let carried = options.skeleton.then(|| skeleton::write(rig)).transpose()?;
     let mut bytes = head.write(&poses, carried.as_deref());
     let mut manifest = Vec::new();
     for (number, order) in coding.orders.iter().enumerate() {
