@@ -30,10 +30,12 @@ pub(crate) fn with_line_ends(text: Cow<'_, str>) -> Cow<'_, str> {
     Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
 }
 
-/// Replaces decimal commas of words such as `0,25`, unless other words have decimal points.
+/// Replaces decimal commas of words such as `0,25`, unless other words have decimal points. Lines of
+/// keywords, as `:version 1.10`, are no numbers of the capture.
 fn with_decimal_points(text: &str, mut warn: impl FnMut(Warning)) -> Cow<'_, str> {
     let mut first = None;
-    for (index, line) in text.lines().enumerate() {
+    let lines = text.lines().enumerate();
+    for (index, line) in lines.filter(|(_, line)| !line.starts_with(':')) {
         for word in line.split_whitespace() {
             if is_decimal(word, '.') {
                 return Cow::Borrowed(text);

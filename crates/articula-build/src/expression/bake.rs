@@ -5,6 +5,7 @@
 
 use super::resolve;
 use crate::clip::MAX_NUMBERS;
+use crate::clip_edit::channel::SAME_SECS;
 use crate::sampling_rate::source_rate_hz;
 use articula_core::source::{
     Channel, Character, Expression, Interpolation, JUMP_SECS, JointBinding, Property, RawClip,
@@ -19,9 +20,6 @@ use std::collections::BTreeSet;
 /// driven.
 const STILL_RADIANS: f32 = 1e-6;
 const STILL: f32 = 1e-7;
-
-/// Difference of equal times in seconds.
-const SAME_SECS: f32 = 2e-6;
 
 /// Minimum frame rate where values bend or jump between keys.
 const MIN_RATE_HZ: f32 = 30.0;

@@ -1,6 +1,7 @@
 //! Clips evaluated in double precision: the keys of a file, and what is played in their place.
 //!
-//! Written for measurements alone: what makes and plays clips shares no code with it.
+//! Written for measurements alone. It shares with what makes clips the masks of expressions and the
+//! times of jumps, and no evaluation; `oracle/resampling.mjs` shares nothing.
 
 use super::Played;
 use crate::expression::resolve;

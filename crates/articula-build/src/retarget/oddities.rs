@@ -3,9 +3,9 @@
 use super::RetargetFigure;
 use super::motion::{JUMP_RADIANS, Motion};
 use super::rest::Rest;
+use crate::clip_edit::heading::yaw;
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
-use glam::{Quat, Vec3};
 
 /// Greatest angle of a joint against its parent between the ends of a clip that repeats.
 const SAME_RADIANS: f32 = 0.15;
@@ -67,19 +67,11 @@ pub fn turn_of_repeat(
         return Ok(None);
     }
     let turn = motion.deltas(last)[root] * motion.deltas(0)[root].inverse();
-    Ok(Some(about_vertical(turn)))
+    Ok(Some(yaw(turn)))
 }
 
 fn mapped(rest: &Rest) -> impl Iterator<Item = usize> {
     (0..rest.len()).filter(|joint| rest.hanim[*joint].is_some())
-}
-
-/// The angle of the part of a rotation that is about +Y.
-fn about_vertical(turn: Quat) -> f32 {
-    let along = Vec3::new(turn.x, turn.y, turn.z).dot(Vec3::Y);
-    let half = along.atan2(turn.w);
-    let whole = 2.0 * half;
-    whole - std::f32::consts::TAU * (whole / std::f32::consts::TAU).round()
 }
 
 /// The time of the second key of the channel that has it first.

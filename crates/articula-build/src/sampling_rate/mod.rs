@@ -9,6 +9,7 @@
 mod candidates;
 mod deviation;
 
+use crate::clip_edit::grid::rising;
 use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton, evaluate};
 use articula_core::{angle_between, nlerp};
 use deviation::Follower;
@@ -36,9 +37,6 @@ const CHORD_SCALE: f32 = 1e-3;
 
 /// Distance of a key from a frame, in frames, within which it lies on the grid.
 const ON_GRID_FRAMES: f64 = 1e-3;
-
-/// Difference of equal times in seconds.
-const SAME_SECS: f32 = 2e-6;
 
 /// A rate, and the number of its frames per key where the keys are regular.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,9 +79,13 @@ pub(crate) fn blended_rate(
     skeleton: &Skeleton,
     fits: &dyn Fn(f32) -> bool,
 ) -> SamplingRate {
-    let frames_per_key = multiple(clip, &skeleton.local_extents());
+    let keyed = source_rate_hz(clip);
+    let mut frames_per_key = multiple(clip, &skeleton.local_extents());
+    while frames_per_key > 1 && !fits(keyed * frames_per_key as f32) {
+        frames_per_key /= 2;
+    }
     let usual = SamplingRate {
-        rate_hz: source_rate_hz(clip) * frames_per_key as f32,
+        rate_hz: keyed * frames_per_key as f32,
         frames_per_key,
     };
     chosen(clip, skeleton, usual, fits)
@@ -203,13 +205,6 @@ fn corners(clip: &RawClip) -> Vec<f32> {
         }
     }
     rising(all)
-}
-
-/// Sorts times and removes those that rounding alone makes differ from the one before.
-fn rising(mut times: Vec<f32>) -> Vec<f32> {
-    times.sort_by(f32::total_cmp);
-    times.dedup_by(|b, a| *b - *a <= SAME_SECS);
-    times
 }
 
 /// Whether all keys are frames of a rate, which is scaled so that the end is a frame.

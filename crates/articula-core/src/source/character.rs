@@ -40,7 +40,8 @@ pub struct Material {
     pub emissive_image: Option<usize>,
     /// Continuation of the emissive texture along u and v.
     pub emissive_wrap: [TextureWrap; 2],
-    /// Whether the surface shows its base colour, whatever light falls on it.
+    /// Whether the surface shows its base colour, whatever light falls on it; [`Self::emissive`] has no
+    /// effect then.
     pub unlit: bool,
     /// Whether back faces are drawn too.
     pub double_sided: bool,

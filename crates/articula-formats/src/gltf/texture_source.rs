@@ -74,8 +74,8 @@ fn extension_for(mime: &str) -> Option<&'static str> {
 }
 
 impl Document {
-    /// Adds a texture for a picture of a media type and returns its index; `None` if glTF has no
-    /// texture of that type.
+    /// Adds a texture for a picture of a media type and returns its index. A type that glTF has no
+    /// texture of is named as its source all the same.
     pub(super) fn add_texture(&mut self, picture: usize, mime: &str) -> usize {
         let mut texture = json!({});
         name_picture(&mut texture, picture, mime);

@@ -25,18 +25,21 @@ pub(super) enum Time {
 impl Time {
     pub(super) fn of(word: &str) -> Option<Self> {
         let parts: Vec<&str> = word.split([':', ';']).collect();
-        let part = |i: usize| parts[i].parse::<u32>().ok().map(f64::from);
+        let part = |i: usize, most: u32| {
+            let value = parts[i].parse::<u32>().ok().filter(|value| *value < most);
+            value.map(f64::from)
+        };
         let fraction = |i: usize, most: f64| {
             let value = parts[i].parse::<f64>().ok();
             value.filter(|f| (0.0..most).contains(f))
         };
-        let whole = || Some(3600.0 * part(0)? + 60.0 * part(1)?);
+        let whole = || Some(3600.0 * part(0, 24)? + 60.0 * part(1, 60)?);
         match parts.len() {
             1 => Some(Self::Number(fraction(0, 1e18)?)),
             3 => Some(Self::Clock(whole()? + fraction(2, 60.0)?)),
             4 => Some(Self::Code {
-                secs: whole()? + part(2)?,
-                frames: fraction(3, 1e9)?,
+                secs: whole()? + part(2, 60)?,
+                frames: fraction(3, APP_HZ)?,
             }),
             _ => None,
         }

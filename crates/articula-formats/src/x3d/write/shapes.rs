@@ -121,14 +121,16 @@ impl<'c> Shapes<'c> {
         markup.open(kind);
         markup.set("DEF", &names.give(&material.name, "material"));
         markup.numbers(color, 3, [r, g, b].map(srgb));
-        if material.emissive != Vec3::ZERO {
+        // An unlit surface has its base colour in this field, and gives off no other light.
+        let emits = !material.unlit;
+        if emits && material.emissive != Vec3::ZERO {
             let light = material.emissive.to_array().map(srgb);
             markup.numbers("emissiveColor", 3, light);
         }
         if a < 1.0 {
             markup.numbers("transparency", 1, [1.0 - a]);
         }
-        if let Some(image) = material.emissive_image {
+        if let Some(image) = material.emissive_image.filter(|_| emits) {
             let field = Some("emissiveTexture");
             self.texture(markup, names, (image, material.emissive_wrap), field);
         }
