@@ -55,6 +55,7 @@ mod figure_levels;
 mod influences;
 mod joint_lods;
 mod joint_scheme;
+mod key_times;
 mod mesh_levels;
 mod motion_bounds;
 mod motion_error;

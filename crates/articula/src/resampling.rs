@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Result};
 use articula_build::clip_edit::resample_keys;
-use articula_build::{ClipOptions, Played, resampling_error, sampled_clip};
+use articula_build::{ClipOptions, Played, resampling_error, sampled_clip, sampling_rate_hz};
 use articula_core::source::{Character, RawClip};
 use articula_core::{Clip, Mesh};
 use serde::Serialize;
@@ -69,6 +69,14 @@ pub(crate) fn of_frames(
         clip: file.name.clone(),
         rate_hz: Some(clip.rate_hz()),
         resampling_mm: 1e3 * error.metres,
+    }
+}
+
+/// Returns the rate of the frames of the first clip of a character in hertz; 30 without clips.
+pub(crate) fn first_clip_rate_hz(character: &Character) -> f32 {
+    match character.clips.first() {
+        Some(clip) => sampling_rate_hz(clip, &character.skeleton),
+        None => 30.0,
     }
 }
 

@@ -2,12 +2,9 @@
 //! a change of the motion.
 
 use super::spline;
+use crate::key_times::SAME_SECS;
 use articula_core::Mismatch;
 use articula_core::source::{Channel, Interpolation, RawClip, evaluate};
-
-/// Two times of a clip that differ by less than this are equal: after half a minute single
-/// precision does not resolve more.
-pub(crate) const SAME_SECS: f32 = 2e-6;
 
 /// Number of float arrays per key: in-tangent, value and out-tangent, or the value alone.
 pub(crate) fn parts(interpolation: Interpolation) -> usize {

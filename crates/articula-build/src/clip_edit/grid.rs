@@ -1,6 +1,6 @@
 //! The times at which an edit is verified.
 
-use super::channel::SAME_SECS;
+use crate::key_times::rising;
 use articula_core::source::RawClip;
 
 /// Minimum rate of the grid on which an edit is verified.
@@ -23,11 +23,4 @@ pub(crate) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f
             .chain(evenly_spaced_frames)
             .collect(),
     )
-}
-
-/// Sorts times and removes those that count as equal to their predecessor.
-pub(crate) fn rising(mut times: Vec<f32>) -> Vec<f32> {
-    times.sort_by(f32::total_cmp);
-    times.dedup_by(|b, a| *b - *a <= SAME_SECS);
-    times
 }

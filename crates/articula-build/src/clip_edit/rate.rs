@@ -1,8 +1,8 @@
 //! Resampling of source clips: every channel keyed at one rate.
 
-use super::channel::{self, SAME_SECS};
-use super::grid::rising;
+use super::channel;
 use crate::clip::steps_at;
+use crate::key_times::{SAME_SECS, rising};
 use articula_core::Mismatch;
 use articula_core::source::{Channel, Interpolation, RawClip};
 

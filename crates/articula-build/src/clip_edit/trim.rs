@@ -1,6 +1,7 @@
 //! Cutting a part out of a clip.
 
-use super::channel::{self, SAME_SECS};
+use super::channel;
+use crate::key_times::SAME_SECS;
 use articula_core::Mismatch;
 use articula_core::source::{Channel, RawClip};
 use std::ops::RangeInclusive;

@@ -5,7 +5,7 @@
 
 use super::resolve;
 use crate::clip::MAX_NUMBERS;
-use crate::clip_edit::channel::SAME_SECS;
+use crate::key_times::SAME_SECS;
 use crate::sampling_rate::source_rate_hz;
 use articula_core::source::{
     Channel, Character, Expression, Interpolation, JUMP_SECS, JointBinding, Property, RawClip,

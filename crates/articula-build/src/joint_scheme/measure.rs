@@ -1,7 +1,7 @@
 //! How far joints and skin are from where they were.
 
 use super::tree::Tree;
-use crate::clip_edit::grid::rising;
+use crate::key_times::rising;
 use articula_core::LocalPose;
 use articula_core::source::{Character, JUMP_SECS, Primitive, RawClip, Skeleton, Skin, evaluate};
 use glam::{Affine3A, Vec3};

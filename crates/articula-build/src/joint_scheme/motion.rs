@@ -7,9 +7,9 @@
 //! the identity if the children do.
 
 use crate::clip_edit::channel;
-use crate::clip_edit::grid::rising;
 use crate::clip_edit::pieces::{self, ComputedJoint, blend};
 use crate::clip_edit::similarity::Similarity;
+use crate::key_times::rising;
 use articula_core::source::{
     Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton, evaluate,
 };

@@ -1,7 +1,7 @@
 //! How far frames of a rate, blended as in playback, are from the keys of a clip.
 
 use super::{ON_GRID_FRAMES, USUAL_RATES_HZ, exact_rate, frame_time};
-use crate::clip_edit::grid::rising;
+use crate::key_times::rising;
 use crate::split_mix::SplitMix;
 use articula_core::source::{
     Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton, evaluate,

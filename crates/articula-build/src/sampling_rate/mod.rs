@@ -9,7 +9,7 @@
 mod candidates;
 mod deviation;
 
-use crate::clip_edit::grid::rising;
+use crate::key_times::rising;
 use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton, evaluate};
 use articula_core::{angle_between, nlerp};
 use deviation::Follower;

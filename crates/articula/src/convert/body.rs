@@ -1,9 +1,9 @@
 //! BAP files: humanoid motion as MPEG-4 body animation parameters.
 
 use super::left_out::{EncodedFile, LossyPart, meshes};
-use super::written::rate_hz;
 use crate::error::Result;
 use crate::open::CharacterFile;
+use crate::resampling::first_clip_rate_hz;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
 use articula_core::source::Character;
 use articula_formats::joint_map;
@@ -42,7 +42,12 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
 /// cannot hold.
 fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFile> {
     let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
-    let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz(source))?;
+    let sampled = bap::sample(
+        figure,
+        &standard.articulation,
+        0,
+        first_clip_rate_hz(source.character()),
+    )?;
     let unsaid = unsaid(&sampled.residuals);
     let left_out = meshes(source).into_iter().chain(unsaid);
     Ok(EncodedFile::new(bap::write(&sampled.clip), left_out))

@@ -6,7 +6,7 @@ use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
 use super::{ClipEdited, ConvertOptions, body, faps, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
-use crate::resampling::{ClipResampling, clip_resampling, keyed_mm};
+use crate::resampling::{ClipResampling, clip_resampling, first_clip_rate_hz, keyed_mm};
 use articula_build::sampling_rate_hz;
 use articula_formats::gltf::Document;
 use articula_formats::x3d::{self, Site};
@@ -108,7 +108,7 @@ pub(super) fn resampling(
 fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     let clips = &opened.character().clips;
     let options = acclaim::WriteOptions {
-        rate_hz: rate_hz(opened),
+        rate_hz: first_clip_rate_hz(opened.character()),
         end_sites: opened.end_sites().to_vec(),
     };
     let clip = (!clips.is_empty()).then_some(0);
@@ -128,19 +128,10 @@ fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     })
 }
 
-/// The rate of the frames of the first clip in hertz.
-pub(super) fn rate_hz(opened: &CharacterFile) -> f32 {
-    let character = opened.character();
-    match character.clips.first() {
-        Some(clip) => sampling_rate_hz(clip, &character.skeleton),
-        None => 30.0,
-    }
-}
-
 /// A BVH file of the first clip.
 fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
     let options = bvh::WriteOptions {
-        rate_hz: rate_hz(opened),
+        rate_hz: first_clip_rate_hz(opened.character()),
         end_sites: opened.end_sites().to_vec(),
         ..bvh::WriteOptions::default()
     };

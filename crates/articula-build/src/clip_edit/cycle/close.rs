@@ -9,12 +9,13 @@
 //! is its first, moved by the travel of the clip. A turn about the vertical is kept likewise if it
 //! is greater than [`TURN_RADIANS`]; a smaller one counts as drift and is removed.
 
-use super::super::channel::{self, SAME_SECS};
+use super::super::channel;
 use super::super::grid::grid;
 use super::super::heading::yaw;
 use super::super::similarity::Similarity;
 use super::super::subject::{EditSubject, Posed};
 use crate::clip::steps_at;
+use crate::key_times::SAME_SECS;
 use crate::sampling_rate::source_rate_hz;
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Mismatch, angle_between, same_hemisphere};

@@ -14,12 +14,13 @@ pub(super) mod trajectory;
 
 pub use trajectory::TrajectoryKey;
 
-use super::channel::{self, SAME_SECS};
-use super::grid::{grid, rising};
+use super::channel;
+use super::grid::grid;
 use super::pieces::{self, ComputedJoint, blend};
 use super::similarity::Similarity;
 use super::subject::{EditSubject, Posed};
 use crate::clip::steps_at;
+use crate::key_times::{SAME_SECS, rising};
 use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property, RawClip};
 use articula_core::{Mismatch, Transform, angle_between};
 use carrier::Carrier;
