@@ -68,6 +68,7 @@ mod resampling_error;
 mod sampling_rate;
 mod scene;
 mod simplify;
+mod source_hash;
 mod split_mix;
 mod surface_distance;
 
@@ -91,7 +92,7 @@ pub use mesh_levels::{
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{
     ChainTolerance, JointLever, contact_table, joint_bounds, key_table, levers, moving_joints,
-    pose_keys, rig_hash, table_hashes,
+    pose_keys, table_hashes,
 };
 pub use occluders::occluders;
 pub use points::draw_vertices;
@@ -110,6 +111,7 @@ pub use simplify::{
     ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,
     skin_regions, vertex_regions,
 };
+pub use source_hash::{SourceHash, hash_bytes, rig_hash};
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
 };

@@ -3,7 +3,7 @@
 //! - [`levers`]: extent of the skin that each joint moves
 //! - [`moving_joints`], [`joint_bounds`]: speed bounds and shares for the drift controller
 //! - [`key_table`]: nested keys for increasing tolerances, held, posed or blended, with
-//!   [`table_hashes`], [`rig_hash`]
+//!   [`table_hashes`]
 //! - [`pose_keys`]: whole-pose keys between which palettes are blended
 //! - [`contact_table`]: intervals in which feet and hands stand still
 
@@ -22,4 +22,4 @@ pub use contacts::contact_table;
 pub use joint_lever::JointLever;
 pub use levers::levers;
 pub use pose_keys::pose_keys;
-pub use tables::{key_table, rig_hash, table_hashes};
+pub use tables::{key_table, table_hashes};

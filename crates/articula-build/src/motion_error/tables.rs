@@ -7,6 +7,7 @@ use super::bounds::moving_joints;
 use super::joint_lever::JointLever;
 use super::keys::{hold_keys, linear_keys};
 use crate::character::Asset;
+use crate::source_hash::{SourceHash, rig_hash};
 use articula_core::{Clip, KeyMode, KeyTable, Mesh, Rig, TableHashes};
 
 /// Tolerance of level 0, the finest.
@@ -14,8 +15,7 @@ pub(super) const FINEST_TOLERANCE_METRES: f32 = 0.0005;
 /// Number of tolerance levels: 0.5 mm to 256 mm, each twice the one before.
 pub(super) const TOLERANCE_LEVELS: usize = 10;
 
-/// Computes the hashes of a rig, a clip and a mesh: FNV-1a over their data, the same on every
-/// platform. They detect stale tables; they are no protection against tampering.
+/// Computes the hashes of a rig, a clip and a mesh, by which stored tables know what they belong to.
 pub fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
     TableHashes {
         rig: rig_hash(rig),
@@ -54,73 +54,28 @@ pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMod
     }
 }
 
-struct Fnv(u64);
-
-impl Fnv {
-    fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn bytes(&mut self, bytes: &[u8]) {
-        for b in bytes {
-            self.0 = (self.0 ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    fn number(&mut self, value: u64) {
-        self.bytes(&value.to_le_bytes());
-    }
-
-    fn floats(&mut self, values: &[f32]) {
-        for v in values {
-            self.bytes(&v.to_bits().to_le_bytes());
-        }
-    }
-}
-
-/// Computes the hash of a rig: the tree of its joints, their names and rest poses.
-pub fn rig_hash(rig: &Rig) -> u64 {
-    let mut h = Fnv::new();
-    for j in 0..rig.len() {
-        h.number(rig.parent(j).map_or(u64::MAX, |p| p as u64));
-        h.bytes(rig.name(j).as_bytes());
-        let rest = rig.rest_pose().get(j);
-        h.floats(&rest.translation.to_array());
-        h.floats(&rest.rotation.to_array());
-        h.floats(&rest.scale.to_array());
-    }
-    h.0
-}
-
 fn clip_hash(clip: &Clip) -> u64 {
-    let mut h = Fnv::new();
-    h.floats(&[clip.rate_hz()]);
-    h.number(clip.frames() as u64);
-    for track in &clip.tracks().rotations {
-        h.number(u64::from(track.target));
-        track.values.iter().for_each(|q| h.floats(&q.to_array()));
+    let mut hash = SourceHash::default();
+    hash.floats([clip.rate_hz()].into_iter());
+    hash.number(clip.frames());
+    let tracks = clip.tracks();
+    for track in &tracks.rotations {
+        hash.number(usize::from(track.target));
+        hash.vectors(track.values.iter().map(|q| q.to_array()));
     }
-    for track in clip
-        .tracks()
-        .translations
-        .iter()
-        .chain(&clip.tracks().scales)
-    {
-        h.number(u64::from(track.target));
-        track.values.iter().for_each(|v| h.floats(&v.to_array()));
+    for track in tracks.translations.iter().chain(&tracks.scales) {
+        hash.number(usize::from(track.target));
+        hash.vectors(track.values.iter().map(|v| v.to_array()));
     }
-    h.0
+    hash.finish()
 }
 
 fn mesh_hash(mesh: &Mesh) -> u64 {
-    let mut h = Fnv::new();
-    h.number(mesh.len() as u64);
-    mesh.positions.iter().for_each(|p| h.floats(&p.to_array()));
-    mesh.binding_indices
-        .iter()
-        .for_each(|b| h.bytes(&b.to_le_bytes()));
-    h.floats(&mesh.weights);
-    h.0
+    let mut hash = SourceHash::default();
+    hash.vectors(mesh.positions.iter().map(|p| p.to_array()));
+    hash.indices(mesh.binding_indices.iter().map(|b| u32::from(*b)));
+    hash.floats(mesh.weights.iter().copied());
+    hash.finish()
 }
 
 #[cfg(test)]
@@ -161,15 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn hashes_are_fnv_1a_and_change_with_the_data() {
-        // Published by its authors.
-        let hash = |bytes: &[u8]| {
-            let mut h = Fnv::new();
-            h.bytes(bytes);
-            h.0
-        };
-        assert_eq!(hash(b"a"), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(hash(b"foobar"), 0x8594_4171_f739_67e8);
+    fn hashes_change_with_the_data() {
         let asset = arm(2);
         let clip = moving(2, 1, &[Quat::IDENTITY; 2]);
         let of = |asset: &Asset, clip: &Clip| table_hashes(&asset.rig, clip, &asset.mesh);

@@ -11,7 +11,9 @@ use crate::figure::Figure;
 use crate::prepared::hash::{self, SourceHashes};
 use crate::prepared::part;
 use crate::work::Executor;
-use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, cached_poses};
+use articula_build::{
+    Asset, CacheOptions, JointLodOptions, MergedLevels, cached_poses, hash_bytes,
+};
 use articula_core::source::Character;
 use articula_core::{Articulation, ClipSet};
 use articula_formats::gltf::{Document, PreparedEntry, PreparedHeader};
@@ -46,7 +48,7 @@ impl Parts {
         let mut hashes: Vec<(String, u64)> = Vec::new();
         let named = shown.source.named();
         hashes.extend(named.map(|(name, hash)| (name.to_owned(), hash)));
-        let entry = |(name, bytes): &(&'static str, Vec<u8>)| (*name, hash::bytes(bytes));
+        let entry = |(name, bytes): &(&'static str, Vec<u8>)| (*name, hash_bytes(bytes));
         let sums: Vec<(&str, u64)> = self.entries.iter().map(entry).collect();
         let order = sums.iter().find(|(name, _)| *name == part::VERTEX_ORDER);
         hashes.extend(order.map(|(name, hash)| ((*name).to_owned(), *hash)));

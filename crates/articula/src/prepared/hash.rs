@@ -3,10 +3,11 @@
 //! They tell whether stored data belongs to the skeleton, meshes and clips beside it; they are no
 //! protection against tampering.
 
+use articula_build::SourceHash;
+use articula_core::Articulation;
 use articula_core::source::{
     Channel, Character, Interpolation, Primitive, Property, RawClip, RawMesh, Skeleton, Skin,
 };
-use articula_core::{Articulation, Transform};
 use glam::Affine3A;
 
 /// Hashes of a character's skeleton, meshes and clips.
@@ -36,160 +37,82 @@ impl SourceHashes {
     }
 }
 
-/// Hash of the bytes of a part: the first 64 bits of BLAKE3.
-pub(crate) fn bytes(bytes: &[u8]) -> u64 {
-    first_bits(&blake3::hash(bytes))
-}
-
-fn first_bits(hash: &blake3::Hash) -> u64 {
-    let [a, b, c, d, e, f, g, h, ..] = *hash.as_bytes();
-    u64::from_le_bytes([a, b, c, d, e, f, g, h])
-}
-
-/// Collects numbers, so that the hash sees long runs of bytes.
-#[derive(Default)]
-struct Sum {
-    bytes: Vec<u8>,
-    hasher: blake3::Hasher,
-}
-
-impl Sum {
-    const RUN: usize = 1 << 15;
-
-    fn flush(&mut self) {
-        self.hasher.update(&self.bytes);
-        self.bytes.clear();
-    }
-
-    fn number(&mut self, value: usize) {
-        self.bytes.extend((value as u64).to_le_bytes());
-    }
-
-    fn text(&mut self, text: &str) {
-        self.number(text.len());
-        self.bytes.extend(text.as_bytes());
-    }
-
-    fn floats(&mut self, values: impl ExactSizeIterator<Item = f32>) {
-        self.number(values.len());
-        for value in values {
-            self.bytes.extend(value.to_le_bytes());
-            if self.bytes.len() >= Self::RUN {
-                self.flush();
-            }
-        }
-    }
-
-    fn vectors<const N: usize>(&mut self, values: impl ExactSizeIterator<Item = [f32; N]>) {
-        self.number(values.len());
-        for value in values {
-            for x in value {
-                self.bytes.extend(x.to_le_bytes());
-            }
-            if self.bytes.len() >= Self::RUN {
-                self.flush();
-            }
-        }
-    }
-
-    fn indices(&mut self, values: impl ExactSizeIterator<Item = u32>) {
-        self.number(values.len());
-        for value in values {
-            self.bytes.extend(value.to_le_bytes());
-            if self.bytes.len() >= Self::RUN {
-                self.flush();
-            }
-        }
-    }
-
-    fn transform(&mut self, t: &Transform) {
-        self.floats(t.translation.to_array().into_iter());
-        self.floats(t.rotation.to_array().into_iter());
-        self.floats(t.scale.to_array().into_iter());
-    }
-
-    fn done(mut self) -> u64 {
-        self.flush();
-        first_bits(&self.hasher.finalize())
-    }
-}
-
 fn rig(skeleton: &Skeleton, articulation: &Articulation) -> u64 {
-    let mut sum = Sum::default();
-    sum.number(skeleton.joints.len());
+    let mut hash = SourceHash::default();
+    hash.number(skeleton.joints.len());
     for joint in &skeleton.joints {
-        sum.text(&joint.name);
-        sum.number(joint.parent.map_or(usize::MAX, |p| p));
-        sum.transform(&joint.rest);
-        sum.number(usize::from(joint.in_skin));
+        hash.text(&joint.name);
+        hash.number(joint.parent.unwrap_or(usize::MAX));
+        hash.transform(&joint.rest);
+        hash.number(usize::from(joint.in_skin));
     }
     for joint in &articulation.joints {
-        sum.text(joint.hanim.as_deref().unwrap_or(""));
-        sum.number(usize::from(joint.level));
-        sum.number(joint.region as usize);
+        hash.text(joint.hanim.as_deref().unwrap_or(""));
+        hash.number(usize::from(joint.level));
+        hash.number(joint.region as usize);
     }
-    sum.done()
+    hash.finish()
 }
 
 fn meshes(meshes: &[RawMesh]) -> u64 {
-    let mut sum = Sum::default();
-    sum.number(meshes.len());
+    let mut hash = SourceHash::default();
+    hash.number(meshes.len());
     for mesh in meshes {
-        sum.text(&mesh.name);
-        skin(&mut sum, &mesh.skin);
-        sum.floats(mesh.morph_weights.iter().copied());
-        sum.number(mesh.primitives.len());
-        mesh.primitives.iter().for_each(|p| primitive(&mut sum, p));
+        hash.text(&mesh.name);
+        skin(&mut hash, &mesh.skin);
+        hash.floats(mesh.morph_weights.iter().copied());
+        hash.number(mesh.primitives.len());
+        mesh.primitives.iter().for_each(|p| primitive(&mut hash, p));
     }
-    sum.done()
+    hash.finish()
 }
 
 /// Hash of the coarser levels that meshes store.
 pub(crate) fn mesh_levels(meshes: &[RawMesh]) -> u64 {
-    let mut sum = Sum::default();
+    let mut hash = SourceHash::default();
     for object in meshes.iter().flat_map(|m| &m.clustered) {
-        sum.indices(object.triangles.as_flattened().iter().copied());
+        hash.indices(object.triangles.as_flattened().iter().copied());
         for cluster in object.clusters.clusters() {
-            sum.number(usize::from(cluster.finest_level));
-            sum.number(usize::from(cluster.coarsest_level));
-            sum.number(cluster.triangles.end as usize);
+            hash.number(usize::from(cluster.finest_level));
+            hash.number(usize::from(cluster.coarsest_level));
+            hash.number(cluster.triangles.end as usize);
         }
     }
-    sum.done()
+    hash.finish()
 }
 
-fn skin(sum: &mut Sum, skin: &Skin) {
-    sum.indices(skin.joints.iter().map(|j| *j as u32));
+fn skin(hash: &mut SourceHash, skin: &Skin) {
+    hash.indices(skin.joints.iter().map(|j| *j as u32));
     let columns = |m: &Affine3A| m.to_cols_array();
-    sum.vectors(skin.inverse_bind.iter().map(columns));
+    hash.vectors(skin.inverse_bind.iter().map(columns));
 }
 
-fn primitive(sum: &mut Sum, primitive: &Primitive) {
-    sum.vectors(primitive.positions.iter().map(|p| p.to_array()));
-    sum.vectors(primitive.normals.iter().map(|n| n.to_array()));
-    sum.number(primitive.influences);
-    sum.indices(primitive.joints.iter().map(|j| u32::from(*j)));
-    sum.floats(primitive.weights.iter().copied());
+fn primitive(hash: &mut SourceHash, primitive: &Primitive) {
+    hash.vectors(primitive.positions.iter().map(|p| p.to_array()));
+    hash.vectors(primitive.normals.iter().map(|n| n.to_array()));
+    hash.number(primitive.influences);
+    hash.indices(primitive.joints.iter().map(|j| u32::from(*j)));
+    hash.floats(primitive.weights.iter().copied());
     for target in &primitive.morphs {
-        sum.vectors(target.positions.iter().map(|p| p.to_array()));
-        sum.vectors(target.normals.iter().map(|n| n.to_array()));
+        hash.vectors(target.positions.iter().map(|p| p.to_array()));
+        hash.vectors(target.normals.iter().map(|n| n.to_array()));
     }
-    sum.indices(primitive.triangles.as_flattened().iter().copied());
+    hash.indices(primitive.triangles.as_flattened().iter().copied());
 }
 
 fn clips(clips: &[RawClip]) -> u64 {
-    let mut sum = Sum::default();
-    sum.number(clips.len());
+    let mut hash = SourceHash::default();
+    hash.number(clips.len());
     for clip in clips {
-        sum.text(&clip.name);
-        sum.floats([clip.duration_secs].into_iter());
-        sum.number(clip.channels.len());
-        clip.channels.iter().for_each(|c| channel(&mut sum, c));
+        hash.text(&clip.name);
+        hash.floats([clip.duration_secs].into_iter());
+        hash.number(clip.channels.len());
+        clip.channels.iter().for_each(|c| channel(&mut hash, c));
     }
-    sum.done()
+    hash.finish()
 }
 
-fn channel(sum: &mut Sum, channel: &Channel) {
+fn channel(hash: &mut SourceHash, channel: &Channel) {
     let property = match channel.property {
         Property::Translation => 0,
         Property::Rotation => 1,
@@ -202,15 +125,16 @@ fn channel(sum: &mut Sum, channel: &Channel) {
         Interpolation::Step => 1,
         Interpolation::CubicSpline => 2,
     };
-    sum.number(channel.target);
-    sum.number(property + 8 * interpolation);
-    sum.floats(channel.times_secs.iter().copied());
-    sum.floats(channel.values.iter().copied());
+    hash.number(channel.target);
+    hash.number(property + 8 * interpolation);
+    hash.floats(channel.times_secs.iter().copied());
+    hash.floats(channel.values.iter().copied());
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use articula_core::Transform;
     use articula_core::source::Joint;
 
     fn character() -> Character {

@@ -3,6 +3,7 @@
 use super::hash;
 use super::part;
 use super::state::{KeptMeshes, MEND};
+use articula_build::hash_bytes;
 use articula_core::source::{RawClip, RawMesh};
 use articula_core::{Clip, FigureLevel, JointLods, LevelSkins, Mesh, MotionBounds, Rig};
 use articula_formats::gltf::{Document, PreparedHeader, PreparedState};
@@ -112,7 +113,7 @@ impl<'a> Stored<'a> {
                 1 => format!("version {found}, this program reads 1"),
                 _ => format!("version {found}, this program reads 1 to {known}"),
             })
-        } else if hash::bytes(part.bytes) != part.hash {
+        } else if hash_bytes(part.bytes) != part.hash {
             Err("its bytes have changed".to_owned())
         } else {
             decode(part.bytes, part.version, &Limits::default()).map_err(|e| e.to_string())
