@@ -73,11 +73,19 @@ impl Appearance {
 
     /// Returns what a material gives off by itself.
     pub(crate) fn emission_of(&self, material: &Material) -> Emission<'_> {
-        let image = material.emissive_image;
+        let light = material.emissive;
+        let image = material.emissive_image.filter(|_| light != Vec3::ZERO);
         Emission {
-            light: material.emissive,
+            light,
             texture: image.and_then(|i| self.wrapped(i, material.emissive_wrap)),
         }
+    }
+
+    /// Returns the texture whose texels show the detail of a material: that of its base colour, or
+    /// else that of its emission; `None` for a material whose colour is the same everywhere.
+    pub(crate) fn detail_of(&self, material: &Material) -> Option<WrappedTexture<'_>> {
+        let emission = self.emission_of(material);
+        self.texture_of(material).or(emission.texture)
     }
 
     fn wrapped(&self, image: usize, wrap: [TextureWrap; 2]) -> Option<WrappedTexture<'_>> {
@@ -124,15 +132,9 @@ pub(crate) struct Emission<'a> {
 }
 
 impl Emission<'_> {
-    /// Whether it differs between places of the surface.
-    pub(crate) fn has_texture(&self) -> bool {
-        self.texture.is_some()
-    }
-
     /// Linear RGB at a texture coordinate.
     pub(crate) fn at(&self, at: Vec2, level: usize) -> Vec3 {
         match self.texture {
-            _ if self.light == Vec3::ZERO => Vec3::ZERO,
             None => self.light,
             Some(texture) => self.light * texture.sample(at, level).truncate(),
         }

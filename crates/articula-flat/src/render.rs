@@ -412,7 +412,7 @@ impl<'a> RenderPass<'a> {
     }
 
     fn texture_level(&self, triangle: usize) -> usize {
-        let Some(texture) = self.appearance.texture_of(self.material(triangle)) else {
+        let Some(texture) = self.appearance.detail_of(self.material(triangle)) else {
             return 0;
         };
         let uv = self.mesh.triangles[triangle].map(|v| self.mesh.texcoords[v as usize]);

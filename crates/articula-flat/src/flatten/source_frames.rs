@@ -165,7 +165,7 @@ pub fn dropped_detail(
     let materials = &subject.appearance.materials;
     if !materials
         .iter()
-        .any(|m| subject.appearance.texture_of(m).is_some())
+        .any(|m| subject.appearance.detail_of(m).is_some())
     {
         return Ok(Vec::new());
     }

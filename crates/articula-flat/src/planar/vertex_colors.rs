@@ -19,10 +19,12 @@ const PULL: f32 = 0.02;
 /// Rounds of the solver; each reduces the distance to the solution to less than a third.
 const ROUNDS: usize = 24;
 
-/// Material, texture and emission of a triangle's surface.
+/// Material, textures and emission of a triangle's surface.
 pub(super) struct SurfaceColor<'a> {
     pub(super) material: &'a Material,
     pub(super) texture: Option<WrappedTexture<'a>>,
+    /// As [`Appearance::detail_of`](crate::Appearance::detail_of).
+    pub(super) detail: Option<WrappedTexture<'a>>,
     pub(super) emission: Emission<'a>,
 }
 
@@ -139,7 +141,7 @@ impl Fit {
     ) {
         let mesh = subject.mesh;
         let unknowns = triangle.map(|v| self.unknown(subject, v, appearance));
-        let Some(texture) = appearance.texture else {
+        let Some(texture) = appearance.detail else {
             return;
         };
         let places = triangle.map(|v| mesh.positions[v as usize]);
@@ -284,6 +286,7 @@ mod tests {
         let appearance = || SurfaceColor {
             material,
             texture: look.texture_of(material),
+            detail: look.detail_of(material),
             emission: look.emission_of(material),
         };
         let found = fitted(&subject, |_| appearance());
@@ -296,6 +299,22 @@ mod tests {
         let levels = found.values().map(|c| c[0]);
         assert!(levels.clone().all(|level| (0.0..=200.0).contains(&level)));
         assert!(found.values().all(|c| c[1] == 50.0));
+        // A black surface that gives off the same picture has the same colours.
+        let glowing = Material {
+            base_color: Vec4::W,
+            base_color_image: None,
+            emissive: material.base_color.xyz(),
+            emissive_image: material.base_color_image,
+            emissive_wrap: material.base_color_wrap,
+            ..material.clone()
+        };
+        let given_off = fitted(&subject, |_| SurfaceColor {
+            material: &glowing,
+            texture: look.texture_of(&glowing),
+            detail: look.detail_of(&glowing),
+            emission: look.emission_of(&glowing),
+        });
+        assert_eq!(given_off, found);
     }
 
     #[test]
@@ -306,6 +325,7 @@ mod tests {
         let appearance = || SurfaceColor {
             material: &material,
             texture: None,
+            detail: None,
             emission: look.emission_of(&material),
         };
         for (vertex, color) in fitted(&subject, |_| appearance()) {

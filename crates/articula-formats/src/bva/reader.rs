@@ -11,6 +11,7 @@ use crate::words::{MAX_FRAMES, frame_time, odd_frame_time, shortened, value_of};
 use articula_core::source::{Channel, Character, Interpolation, Joint, Property, RawClip};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
+use std::collections::VecDeque;
 
 /// Maximum number of channels of one segment: translation, rotation and scale.
 const MAX_CHANNELS: usize = 9;
@@ -100,28 +101,33 @@ struct File {
 type Line<'a> = (usize, &'a str);
 
 struct Lines<'a> {
-    rest: std::iter::Peekable<Box<dyn Iterator<Item = Line<'a>> + 'a>>,
+    rest: VecDeque<Line<'a>>,
 }
 
 impl<'a> Lines<'a> {
     fn of(text: &'a str) -> Self {
         let lines = text.lines().enumerate();
         let lines = lines.map(|(index, line)| (index + 1, line.trim()));
-        let lines: Box<dyn Iterator<Item = Line<'a>>> =
-            Box::new(lines.filter(|(_, line)| !line.is_empty()));
         Self {
-            rest: lines.peekable(),
+            rest: lines.filter(|(_, line)| !line.is_empty()).collect(),
         }
     }
 
     fn expect(&mut self, what: &str) -> Result<Line<'a>, ReadError> {
-        let line = self.rest.next();
+        let line = self.rest.pop_front();
         line.ok_or_else(|| ReadError::malformed("end of file", format!("{what} expected")))
     }
 
-    /// Returns the next line if it starts with a number.
-    fn numbers(&mut self) -> Option<Line<'a>> {
-        self.rest.next_if(|(_, line)| starts_with_number(line))
+    /// Returns the next line if it is a row: one that starts with a number, or a damaged one alone
+    /// among such. More than one are the beginning of something else.
+    fn row(&mut self) -> Option<Line<'a>> {
+        let is_alone = match self.rest.get(1) {
+            Some((_, next)) => starts_with_number(next) || is_segment(next),
+            None => true,
+        };
+        let is_row = |line: &str| starts_with_number(line) || is_alone && !is_segment(line);
+        self.rest.front().filter(|(_, line)| is_row(line))?;
+        self.rest.pop_front()
     }
 }
 
@@ -139,11 +145,11 @@ fn parse(
     let mut lines = Lines::of(text);
     let mut file = File::default();
     let mut values = 0;
-    if !lines.rest.peek().is_some_and(|(_, line)| is_segment(line)) {
+    if !lines.rest.front().is_some_and(|(_, line)| is_segment(line)) {
         let what = "no \"Segment:\" found; is this a BVA file?";
         return Err(ReadError::malformed("line 1", what));
     }
-    while let Some((line, text)) = lines.rest.next() {
+    while let Some((line, text)) = lines.rest.pop_front() {
         let count = file.segments.len() as u64 + 1;
         Limits::check(at(line), "segments", count, limits.nodes)?;
         let name = value_of(at(line), text, "segment")?;
@@ -161,7 +167,7 @@ fn parse(
             all: 0,
             gap: 0,
         };
-        while let Some((line, text)) = lines.numbers() {
+        while let Some((line, text)) = lines.row() {
             values += columns.len() as u64;
             Limits::check(at(line), "key values", values, limits.elements)?;
             rows.read(line, text);
@@ -175,7 +181,7 @@ fn parse(
                 format!("\"Frames: {declared}\", but the file has {found} frames; all are read");
             notes.add(at(count_line), what);
         }
-        if let Some((line, text)) = lines.rest.peek().filter(|(_, line)| !is_segment(line)) {
+        if let Some((line, text)) = lines.rest.front().filter(|(_, line)| !is_segment(line)) {
             let text = shortened(text);
             let what = format!("\"{text}\" found, a number or \"Segment:\" expected");
             return Err(ReadError::malformed(at(*line), what));
@@ -208,10 +214,8 @@ fn columns(
     }
     let mut units: Vec<&str> = Vec::new();
     let mut unit_line = line;
-    if let Some((line, text)) = lines
-        .rest
-        .next_if(|(_, line)| !starts_with_number(line) && !is_segment(line))
-    {
+    let is_units = |line: &str| !starts_with_number(line) && !is_segment(line);
+    if let Some((line, text)) = lines.rest.pop_front_if(|(_, line)| is_units(line)) {
         units = text.split_whitespace().collect();
         unit_line = line;
         if units.len() != drives.len() {
@@ -294,14 +298,14 @@ fn unit(line: usize, drives: Drives, word: Option<&str>) -> Result<Option<f32>, 
     })
 }
 
-/// Reads the rows of a segment; a damaged one between others holds the one before, so that the times
-/// of the later ones stay.
+/// Reads the rows of a segment; a damaged one holds the one before, or at the beginning is as the first
+/// one, so that the times of the later ones stay those of the other segments.
 struct Rows<'a> {
     columns: &'a [Column],
     values: Vec<f32>,
     damage: Damage,
     all: usize,
-    /// Number of damaged rows after the last frame.
+    /// Number of damaged rows since the last frame.
     gap: usize,
 }
 
@@ -321,11 +325,12 @@ impl Rows<'_> {
         };
         if let Err(error) = read {
             self.damage.row(error);
-            self.gap += usize::from(start > 0);
+            self.gap += 1;
             return;
         }
+        let held = start.saturating_sub(width);
         for _ in 0..std::mem::take(&mut self.gap) {
-            self.values.extend_from_within(start - width..start);
+            self.values.extend_from_within(held..held + width);
         }
         self.values[start..].rotate_left(width);
     }
@@ -335,7 +340,8 @@ impl Rows<'_> {
         if self.damage.has_values() {
             (0..width).for_each(|c| hold(&mut self.values, (c..count).step_by(width)));
         }
-        let fate = "the row before it is held; at the beginning and at the end it is left out";
+        let fate =
+            "the row before it is held, at the beginning the first one; at the end it is left out";
         self.damage.told(self.all, fate, |odd| notes.push(odd))?;
         let rows = self.values.chunks_exact(width);
         Ok(rows.map(|row| frame(row, self.columns)).collect())

@@ -12,7 +12,7 @@ use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES};
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use time::{Time, times};
+use time::{Time, ascending, times};
 
 /// Names of the angles, in the order of the app's columns.
 const ANGLES: [&str; ANGLE_COUNT] = [
@@ -79,7 +79,7 @@ enum Column {
 ///
 /// # Errors
 /// [`ReadError`] with line and column: no header with a time code and a blend shape, half of the rows
-/// or more damaged (of another length, without a time, not later than the row before), times of no
+/// or more damaged (of another length, without a time, out of order), times of no
 /// known unit, text that is not UTF-8, or more rows than the limits allow.
 pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<LiveLinkClip>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
@@ -311,13 +311,16 @@ impl<'a> Rows<'a> {
             }
         }
         let rows = self.values.chunks_exact(width.max(1));
-        for ((values, secs), (_, at)) in rows.zip(&found.secs).zip(&self.times) {
-            if clip.frames.last().is_some_and(|last| *secs <= last.secs) {
-                let what = "the time is not later than that of the row before";
+        let kept = ascending(&found.secs);
+        let mut begin = None;
+        for (((values, secs), kept), (_, at)) in rows.zip(&found.secs).zip(kept).zip(&self.times) {
+            if kept {
+                let begin = *begin.get_or_insert(*secs);
+                clip.frames.push(frame(secs - begin, self.columns, values));
+            } else {
+                let what = "the time is not between those of the rows around it";
                 self.damage.row(ReadError::malformed(at, what));
-                continue;
             }
-            clip.frames.push(frame(*secs, self.columns, values));
         }
         let fate = "the row is left out";
         self.damage.told(self.all, fate, |odd| warnings.push(odd))?;
@@ -398,6 +401,29 @@ mod tests {
     }
 
     #[test]
+    fn one_wrong_time_costs_one_row() {
+        for wrong in 1..8 {
+            for hour in [0, 1, 13, 15, 23] {
+                let row = |f: usize| {
+                    let hour = if f == wrong { hour } else { 14 };
+                    format!("{hour:02}:00:00:{f:02}.0,{f}\n")
+                };
+                let text = "Timecode,JawOpen\n".to_owned() + &(0..9).map(row).collect::<String>();
+                let found = parsed(&text).unwrap();
+                let frames = found.value.frames;
+                let expected = (0..9).filter(|f| *f != wrong).map(|f| f as f64 / 60.0);
+                let off = frames
+                    .iter()
+                    .zip(expected)
+                    .map(|(f, secs)| (f.secs - secs).abs());
+                assert!(frames.len() == 8 && off.fold(0.0, f64::max) < 1e-9);
+                let at = format!("line {}", wrong + 2);
+                assert_eq!(found.warnings[0].at, at, "{hour}:00");
+            }
+        }
+    }
+
+    #[test]
     fn errors_name_line_and_column() {
         let head = "Timecode,JawOpen,HeadYaw\n";
         let cases = [
@@ -421,7 +447,7 @@ mod tests {
             ),
             (
                 &format!("{head}5,0,0\n5,0,0\n"),
-                "line 3: the time is not later",
+                "line 3: the time is not between",
             ),
         ];
         for (text, expected) in cases {

@@ -107,15 +107,43 @@ pub(super) fn times(column: &[Time]) -> Result<Times, String> {
     })
 }
 
+/// The rows that ascend in time: as many as possible, so that one wrong time costs one row.
+///
+/// Source: longest increasing subsequence by patience sorting (Fredman 1975); O(n log n).
+pub(super) fn ascending(secs: &[f64]) -> Vec<bool> {
+    // For each length, the row at which the lowest end of an ascending sequence stands.
+    let mut ends: Vec<usize> = Vec::new();
+    let mut before: Vec<Option<usize>> = Vec::with_capacity(secs.len());
+    for (row, time) in secs.iter().enumerate() {
+        let length = ends.partition_point(|end| secs[*end] < *time);
+        before.push(length.checked_sub(1).map(|shorter| ends[shorter]));
+        match ends.get_mut(length) {
+            // Of equal times the first one stays.
+            Some(end) if secs[*end] > *time => *end = row,
+            Some(_) => {}
+            None => ends.push(row),
+        }
+    }
+    let mut kept = vec![false; secs.len()];
+    let mut next = ends.last().copied();
+    while let Some(row) = next {
+        kept[row] = true;
+        next = before[row];
+    }
+    kept
+}
+
 /// Seconds to add to each row for the midnights before it: where the time of day falls by more than
-/// half a day.
+/// half a day, and back where it rises so.
 fn days(column: &[Time]) -> Vec<f64> {
     let mut day = 0.0;
-    let mut before = f64::NEG_INFINITY;
+    let mut before = column.first().map_or(0.0, Time::whole_secs);
     let of = |time: &Time| {
         let secs = time.whole_secs();
         if secs < before - DAY_SECS / 2.0 {
             day += DAY_SECS;
+        } else if secs > before + DAY_SECS / 2.0 {
+            day -= DAY_SECS;
         }
         before = secs;
         day

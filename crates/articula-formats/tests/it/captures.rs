@@ -4,7 +4,7 @@
 use crate::cases::case;
 use articula_core::source::{Property, RawClip};
 use articula_formats::{
-    Limits, MotionFile, Parsed, ReadError, ReadOptions, acclaim, bvh, live_link,
+    Limits, MotionFile, Parsed, ReadError, ReadOptions, acclaim, bva, bvh, live_link,
 };
 use proptest::prelude::*;
 
@@ -156,6 +156,42 @@ proptest! {
             prop_assert_eq!(count, if is_between { 31 } else { 30 });
             for (a, b) in found.iter().zip(&expected) {
                 prop_assert!((a - b).abs() < 1e-6, "frame {}: {} for {}", i, a, b);
+            }
+        }
+    }
+
+    #[test]
+    fn a_bad_row_of_a_bva_segment_costs_that_row(row in 0..6usize, way in 0..5usize, of in 0..2usize) {
+        let text = |damage: bool| {
+            let segment = |s: usize| {
+                let rows = (0..6).map(|f| {
+                    let row_text = format!("{f} 1{s} 0.5 10 20 30");
+                    match damage && (s, f) == (of, row) {
+                        true => damaged(&row_text, way, " ") + "\n",
+                        false => row_text + "\n",
+                    }
+                });
+                let head = "Frames: 6\nFrame Time: 0.1\nXTRAN YTRAN ZTRAN XROT YROT ZROT\nM M M DEG DEG DEG";
+                format!("Segment: s{s}\n{head}\n{}", rows.collect::<String>())
+            };
+            segment(0) + &segment(1)
+        };
+        let read = |text: &str| bva::read(text.as_bytes(), &ReadOptions::default(), &Limits::default());
+        let found = read(&text(true)).unwrap();
+        let told = said(&found);
+        let line = 11 * of + 6 + row;
+        prop_assert!(told.iter().any(|t| t.starts_with(&format!("line {line}: "))), "{told:?}");
+        for channel in &clip(&found).channels {
+            let is_short = channel.target == of && row == 5;
+            prop_assert_eq!(channel.times_secs.len(), if is_short { 5 } else { 6 });
+            if channel.property != Property::Translation {
+                continue;
+            }
+            // X counts the frames.
+            for (f, place) in channel.values.chunks_exact(3).enumerate() {
+                let held = if row == 0 { 1 } else { row - 1 };
+                let expected = if channel.target == of && f == row { held } else { f };
+                prop_assert_eq!(place[0], expected as f32);
             }
         }
     }
