@@ -78,13 +78,11 @@ impl SourceHash {
         values.for_each(|value| self.put(&value.to_le_bytes()));
     }
 
-    /// Adds translation, rotation and scale: 10 floats.
+    /// Adds translation, rotation and scale as arrays of floats.
     pub fn transform(&mut self, transform: &Transform) {
-        let floats = transform.translation.to_array().into_iter();
-        let floats = floats.chain(transform.rotation.to_array());
-        for value in floats.chain(transform.scale.to_array()) {
-            self.put(&value.to_le_bytes());
-        }
+        self.floats(transform.translation.to_array().into_iter());
+        self.floats(transform.rotation.to_array().into_iter());
+        self.floats(transform.scale.to_array().into_iter());
     }
 
     /// Returns the first 8 bytes of BLAKE3, as a little-endian number.
@@ -125,8 +123,9 @@ mod tests {
         hash.transform(&Transform::IDENTITY);
         let mut bytes = vec![3, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, b'a', b'b'];
         bytes.extend([2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0]);
-        for one in [0, 0, 0, 0, 0, 0, 1, 1, 1, 1] {
-            bytes.extend((one as f32).to_le_bytes());
+        for array in [&[0.0_f32; 3][..], &[0.0, 0.0, 0.0, 1.0], &[1.0; 3]] {
+            bytes.extend((array.len() as u64).to_le_bytes());
+            array.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
         }
         assert_eq!(hash.finish(), hash_bytes(&bytes));
         // Longer than one run.

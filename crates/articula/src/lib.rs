@@ -88,6 +88,7 @@ mod joint_map;
 mod mesh_level_rows;
 mod mesh_levels;
 mod motion_tables;
+mod old_hashes;
 mod open;
 #[cfg(feature = "prepare")]
 mod prepare;

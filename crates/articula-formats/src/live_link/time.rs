@@ -107,28 +107,34 @@ pub(super) fn times(column: &[Time]) -> Result<Times, String> {
     })
 }
 
-/// The rows that ascend in time: as many as possible, so that one wrong time costs one row.
+/// The rows that ascend in time: as many as possible, so that one wrong time costs one row, and of
+/// equally many those of the least duration.
 ///
 /// Source: longest increasing subsequence by patience sorting (Fredman 1975); O(n log n).
 pub(super) fn ascending(secs: &[f64]) -> Vec<bool> {
-    // For each length, the row at which the lowest end of an ascending sequence stands.
-    let mut ends: Vec<usize> = Vec::new();
-    let mut before: Vec<Option<usize>> = Vec::with_capacity(secs.len());
+    // The rows at which the longest ascending sequence has a length; later ones are never later in time.
+    let mut by_length: Vec<Vec<usize>> = Vec::new();
+    let mut lowest: Vec<f64> = Vec::new();
     for (row, time) in secs.iter().enumerate() {
-        let length = ends.partition_point(|end| secs[*end] < *time);
-        before.push(length.checked_sub(1).map(|shorter| ends[shorter]));
-        match ends.get_mut(length) {
-            // Of equal times the first one stays.
-            Some(end) if secs[*end] > *time => *end = row,
-            Some(_) => {}
-            None => ends.push(row),
+        let length = lowest.partition_point(|end| end < time);
+        if length == lowest.len() {
+            by_length.push(Vec::new());
+            lowest.push(*time);
         }
+        by_length[length].push(row);
+        lowest[length] = *time;
     }
     let mut kept = vec![false; secs.len()];
-    let mut next = ends.last().copied();
-    while let Some(row) = next {
+    let mut next: Option<usize> = None;
+    for (rows, lowest) in by_length.iter().zip(&lowest).rev() {
+        // The latest time before the next row; of equal times the first row.
+        let is_late = |row: &usize| match next {
+            Some(next) => secs[*row] >= secs[next],
+            None => secs[*row] > *lowest,
+        };
+        let row = rows[rows.partition_point(is_late)];
         kept[row] = true;
-        next = before[row];
+        next = Some(row);
     }
     kept
 }
@@ -247,6 +253,23 @@ mod tests {
             for (i, secs) in found.secs.iter().enumerate() {
                 prop_assert!((secs - i as f64 / rate).abs() < 2e-4, "{i}: {secs}");
             }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn as_many_rows_as_possible_ascend(times in prop::collection::vec(0..12u8, 0..24)) {
+            let secs: Vec<f64> = times.iter().map(|t| f64::from(*t)).collect();
+            let kept = ascending(&secs);
+            let rows: Vec<f64> = secs.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(t, _)| *t).collect();
+            prop_assert!(rows.windows(2).all(|pair| pair[0] < pair[1]), "{rows:?}");
+            // The plain dynamic programme over all pairs.
+            let mut longest = vec![1; secs.len()];
+            for row in 0..secs.len() {
+                let before = (0..row).filter(|other| secs[*other] < secs[row]);
+                longest[row] = 1 + before.map(|other| longest[other]).max().unwrap_or(0);
+            }
+            prop_assert_eq!(rows.len(), longest.into_iter().max().unwrap_or(0));
         }
     }
 

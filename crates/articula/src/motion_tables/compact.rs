@@ -11,7 +11,7 @@ use articula_stream::abp2::MotionReceiver;
 pub(super) fn read(
     found: &mut MotionTables,
     reader: &mut TableReader<'_>,
-    hashes: &TableHashes,
+    hashes: impl Fn(&TableHashes) -> TableHashes,
     rig: &Rig,
 ) {
     let decode = |bytes: &[u8], limits: &Limits| {
@@ -19,7 +19,7 @@ pub(super) fn read(
         Ok((hashes, stream.to_vec()))
     };
     let compact = reader.read(COMPACT, decode, |(of_table, stream)| {
-        of_table.check(hashes)?;
+        of_table.check(&hashes(of_table))?;
         let received = MotionReceiver::read(stream, rig, &StreamLimits::default());
         match received {
             Ok(received) if received.is_whole() => Ok(()),

@@ -7,10 +7,11 @@
 mod compact;
 
 use crate::figure::Figure;
+use crate::old_hashes;
 use crate::prepared::part::{COMPACT, CONTACTS, ERROR_MATRIX, POSE_KEYS, SEGS};
 use articula_build::table_hashes;
 use articula_core::playback::ErrorMatrixTable;
-use articula_core::{ContactTable, KeyTable, Mismatch, PoseKeys};
+use articula_core::{ContactTable, KeyTable, Mismatch, PoseKeys, TableHashes};
 use articula_formats::{Limits, ReadError};
 use articula_formats::{read_contact_table, read_error_matrix, read_key_table, read_pose_keys};
 use serde::Serialize;
@@ -63,7 +64,15 @@ impl MotionTables {
         let Some(gltf) = figure.opened.gltf() else {
             return found;
         };
-        let hashes = table_hashes(&asset.rig, &asset.clips[clip], &asset.mesh);
+        let (rig, of_clip, mesh) = (&asset.rig, &asset.clips[clip], &asset.mesh);
+        let current = table_hashes(rig, of_clip, mesh);
+        // Older files have other hashes of the same data.
+        let hashes = |stored: &TableHashes| match *stored == current {
+            true => current,
+            false => Some(old_hashes::table_hashes(rig, of_clip, mesh))
+                .filter(|old| old == stored)
+                .unwrap_or(current),
+        };
         let mut reader = TableReader {
             bytes: &|name| gltf.document.motion_table(clip, name),
             clip,
@@ -71,21 +80,23 @@ impl MotionTables {
         };
         let frames = asset.clips[clip].frames();
         found.joint_keys = reader.read(SEGS, read_key_table, |table| {
-            table.check(&hashes)?;
+            table.check(&hashes(&table.hashes))?;
             let last = table.keys.iter().flatten().filter_map(|keys| keys.last());
             within(last.max().copied(), frames)
         });
-        found.pose_keys = reader.read(POSE_KEYS, read_pose_keys, |keys| keys.hashes.check(&hashes));
+        found.pose_keys = reader.read(POSE_KEYS, read_pose_keys, |keys| {
+            keys.hashes.check(&hashes(&keys.hashes))
+        });
         found.contacts = reader.read(CONTACTS, read_contact_table, |table| {
-            table.hashes.check(&hashes)?;
+            table.hashes.check(&hashes(&table.hashes))?;
             let last = table.contacts.iter().map(|c| c.frames.end as u32 - 1);
             within(last.max(), frames)
         });
         found.error_matrix = reader.read(ERROR_MATRIX, read_error_matrix, |table| {
-            table.hashes.check(&hashes)
+            table.hashes.check(&hashes(&table.hashes))
         });
         #[cfg(feature = "streams")]
-        compact::read(&mut found, &mut reader, &hashes, &asset.rig);
+        compact::read(&mut found, &mut reader, hashes, rig);
         found.warnings = reader.warnings;
         let size = |name| {
             gltf.document

@@ -60,16 +60,19 @@ fn told(figure: &RetargetFigure<'_>, clip: &RawClip) -> Vec<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::source::{Channel, Interpolation, Property};
+    use articula_core::source::{Channel, Character, Interpolation, Property};
     use articula_human::HumanOptions;
     use glam::Quat;
+    use std::sync::LazyLock;
 
     const FRAMES: usize = 21;
 
     /// The reference human, whose left knee swings once and whose root turns by an angle in all; the
     /// first frame may have a raised arm.
     fn swinging(turn_radians: f32, jump_radians: f32) -> CharacterFile {
-        let mut character = articula_human::human(&HumanOptions::default()).unwrap();
+        static HUMAN: LazyLock<Character> =
+            LazyLock::new(|| articula_human::human(&HumanOptions { triangles: 2_000 }).unwrap());
+        let mut character = HUMAN.clone();
         let joint = |name: &str| character.skeleton.find(name).unwrap();
         let times_secs: Vec<f32> = (0..FRAMES).map(|f| f as f32 / 20.0).collect();
         let channel = |name: &str, of: &dyn Fn(usize) -> Quat| Channel {

@@ -24,6 +24,7 @@ use articula_build::Asset;
 use articula_build::{Plaza, plaza};
 use articula_core::crowd::Crowd;
 use articula_core::{Backend, Clip};
+use stage::SceneBench;
 use std::path::PathBuf;
 
 const FILE: &str = "glb/pab_arnaud.glb";
@@ -37,6 +38,8 @@ struct Bench {
     asset: Asset,
     /// Index of the clip.
     clip: usize,
+    /// The character as a crowd, for sections with scenes.
+    scenes: SceneBench,
     /// The file, for evaluators that open it themselves.
     file: PathBuf,
     small: bool,
@@ -143,6 +146,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     let clip = asset.clips.iter().position(|c| c.name == CLIP);
     let bench = Bench {
         clip: clip.with_context(|| format!("{FILE} has no clip called {CLIP}"))?,
+        scenes: SceneBench::new(asset.clone())?,
         asset,
         file: run.data.join(FILE),
         small: run.small,

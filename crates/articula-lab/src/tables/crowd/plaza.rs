@@ -1,6 +1,6 @@
 //! The plaza at each kind of level: time of a whole frame of 10,000 characters, and its error.
 
-use super::stage::{Play, SceneBench, selection_share};
+use super::stage::{Play, selection_share};
 use super::{Bench, CrowdTables, SEED};
 use anyhow::Result;
 use articula::crowd::{CacheUse, DISPLAY_HZ, DetailGoal, SceneMeasurement};
@@ -33,9 +33,8 @@ pub(super) struct AtOnePixel {
 pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let clips = bench.asset.clips.len();
-    let stage = SceneBench::new(bench)?;
     let still = Arc::new(plaza(count, &[clips], SEED, Plaza::Still));
-    let kept: Vec<String> = stage.kept().iter().map(usize::to_string).collect();
+    let kept: Vec<String> = bench.scenes.kept().iter().map(usize::to_string).collect();
     report.heading(
         "The plaza by level",
         &format!(
@@ -54,7 +53,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
         frames: if bench.small { 8 } else { 240 },
     };
     let one = DetailGoal::Tolerance(1.0);
-    let merged = stage.play(&still, at(one))?;
+    let merged = bench.scenes.play(&still, at(one))?;
     for (name, detail, most_ms) in [
         (
             "every joint of who is seen",
@@ -63,7 +62,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
         ),
         ("merged levels within 1 px", one, Some(0.8)),
     ] {
-        let outcome = stage.play(&still, at(detail))?;
+        let outcome = bench.scenes.play(&still, at(detail))?;
         let name = format!("plaza, {name}");
         row(report, count, &name, &outcome);
         targets(report, &name, &outcome, most_ms);
@@ -83,14 +82,14 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
         ),
     ] {
         let play = Play { cache, ..at(one) };
-        let outcome = stage.play(&still, play)?;
+        let outcome = bench.scenes.play(&still, play)?;
         let name = format!("plaza, {name}");
         row(report, count, &name, &outcome);
         targets(report, &name, &outcome, Some(most_ms));
     }
-    moving(bench, report, &stage, at(one))?;
-    many(bench, report, &stage, at(one))?;
-    budget(bench, report, &stage, &still, &merged)?;
+    moving(bench, report, at(one))?;
+    many(bench, report, at(one))?;
+    budget(bench, report, &still, &merged)?;
     Ok(AtOnePixel {
         ms: merged.frame_ms.median,
         p95_px: merged.error_px.p95,
@@ -99,7 +98,7 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel>
 }
 
 /// The plaza with a moving camera and cross-fades, with phases that differ and that agree.
-fn moving(bench: &Bench, report: &mut CrowdTables, stage: &SceneBench, usual: Play) -> Result<()> {
+fn moving(bench: &Bench, report: &mut CrowdTables, usual: Play) -> Result<()> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     for (name, kind) in [("distinct", Plaza::Moving), ("equal", Plaza::InPhase)] {
         let moving = Arc::new(plaza(count, &[bench.asset.clips.len()], SEED, kind));
@@ -108,7 +107,7 @@ fn moving(bench: &Bench, report: &mut CrowdTables, stage: &SceneBench, usual: Pl
             cache: CacheUse::Cpu,
             ..usual
         };
-        let outcome = stage.play(&moving, play)?;
+        let outcome = bench.scenes.play(&moving, play)?;
         let name = format!("plaza-2, cheapest within 1 px, {name} phases");
         row(report, count, &name, &outcome);
         targets(report, &name, &outcome, Some(1.0));
@@ -119,7 +118,7 @@ fn moving(bench: &Bench, report: &mut CrowdTables, stage: &SceneBench, usual: Pl
 }
 
 /// The plaza with ten and a hundred times as many characters, as records.
-fn many(bench: &Bench, report: &mut CrowdTables, stage: &SceneBench, usual: Play) -> Result<()> {
+fn many(bench: &Bench, report: &mut CrowdTables, usual: Play) -> Result<()> {
     let mut select_ms = Vec::new();
     for (times, most_ms) in [(1, 0.25), (10, 2.5), (100, 16.0)] {
         let count = times * if bench.small { 40 } else { PLAZA_COUNT };
@@ -130,7 +129,7 @@ fn many(bench: &Bench, report: &mut CrowdTables, stage: &SceneBench, usual: Play
             cache: CacheUse::Gpu,
             ..usual
         };
-        let outcome = stage.play(&scene, play)?;
+        let outcome = bench.scenes.play(&scene, play)?;
         select_ms.push(outcome.tick_ms.median);
         if times == 1 {
             continue;
@@ -209,7 +208,6 @@ fn row(report: &mut CrowdTables, count: usize, name: &str, outcome: &SceneMeasur
 fn budget(
     bench: &Bench,
     report: &mut CrowdTables,
-    stage: &SceneBench,
     scene: &Arc<Scene>,
     merged: &SceneMeasurement,
 ) -> Result<()> {
@@ -242,7 +240,7 @@ fn budget(
             cache,
             frames: if bench.small { 8 } else { 240 },
         };
-        let outcome = stage.play(scene, play)?;
+        let outcome = bench.scenes.play(scene, play)?;
         let over = outcome.overrun_p95.unwrap_or(0.0);
         let used_ms = outcome.frame_ms.median;
         let name = format!("budget of {share:.2}, palettes {palettes}");

@@ -1,13 +1,13 @@
 //! A crowd of Articula on a scene, measured by the library.
 
-use super::{Bench, SEED};
+use super::SEED;
 use anyhow::Result;
 use articula::Executor;
 use articula::crowd::{
     CacheUse, CrowdAsset, CrowdOptions, DetailGoal, Hiders, MeasureOptions, SceneMeasurement,
     SceneOptions, ScenePlayer, measure_scene,
 };
-use articula_build::Scene;
+use articula_build::{Asset, Scene};
 use articula_report::FRAME_CLOCKS;
 use std::slice::from_ref;
 use std::sync::Arc;
@@ -36,9 +36,9 @@ impl Play {
 }
 
 impl SceneBench {
-    /// Levels, skins, errors and bounds of the bench's character with all its clips.
-    pub(super) fn new(bench: &Bench) -> Result<Self> {
-        let (asset, options) = (bench.asset.clone(), CrowdOptions::default());
+    /// Levels, skins, errors and bounds of a character with all its clips.
+    pub(super) fn new(asset: Asset) -> Result<Self> {
+        let options = CrowdOptions::default();
         let asset = CrowdAsset::from_asset(asset, &options, &Executor::default())?;
         Ok(Self { asset })
     }

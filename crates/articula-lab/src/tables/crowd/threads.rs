@@ -2,7 +2,7 @@
 //!
 //! Times are wall-clock times: processor time does not show what a thread waits for.
 
-use super::stage::{Play, SceneBench};
+use super::stage::Play;
 use super::{Bench, CrowdTables, SEED};
 use crate::measure::median;
 use crate::peers::floor::{Floor, Sampled};
@@ -56,7 +56,6 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
         row(report, "floor, 3x4 f32", count, times);
         floors.push(times);
     }
-    let stage = SceneBench::new(bench)?;
     let one = DetailGoal::Tolerance(1.0);
     for (name, count, detail, cache) in [
         (
@@ -92,7 +91,10 @@ pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
             cache,
             frames,
         };
-        let mut players = [stage.player(&scene, play)?, stage.player(&scene, play)?];
+        let mut players = [
+            bench.scenes.player(&scene, play)?,
+            bench.scenes.player(&scene, play)?,
+        ];
         let times = pool.install(|| turns(&mut players, frames))?;
         row(report, name, count, times);
         let who = format!("two threads, {name}, {count} characters");
