@@ -1,15 +1,15 @@
 // How far written motions are from their source, judged by three.js: `node resampling.mjs PROGRAM
-// FILE[#CLIP]...`. PROGRAM is the articula program, FILE a GLB; without CLIP all clips of the file. Each
-// clip is written as GLB, as motion streams of 0.1 and 1 mm, which are decoded onto FILE, and as BVH; source
-// and result are played at seeded random times. Prints one JSON row for each of them, {file, clip, way,
+// FILE[#CLIP]...`. PROGRAM is the articula program, FILE a GLB, VRM or VRMA; without CLIP all clips of the
+// file. Each clip is written in the format of FILE, as an asset (`build`, but for VRMA), as motion streams of 0.1
+// and 1 mm, which are decoded onto FILE, and as BVH; source and result are played at seeded random times. Prints one JSON row for each of them, {file, clip, way,
 // max_mm, secs, bound_mm}, and a table on standard error. Ends with status 1 if a bound is exceeded.
 //
-// The whole set of real files: `node resampling.mjs ../target/debug/articula ../../shared/data/glb/*.glb`.
+// All files of a folder: `node resampling.mjs ../target/release/articula FOLDER/*.glb FOLDER/*.vrma`.
 
 import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { basename, join } from "node:path";
+import { basename, extname, join } from "node:path";
 import { AnimationMixer, LoopOnce, Vector3 } from "three";
 import { openScene } from "./scene.mjs";
 
@@ -22,6 +22,10 @@ const MOST_VERTICES = 1500;
 const RESAMPLING_MM = 0.1;
 /** A BVH file rounds centimetres and degrees to some decimals, which add up along an arm. */
 const BVH_MM = 0.2;
+
+/** Parts of a prepared asset that show no clip by themselves. */
+const NOT_CLIPS =
+  "joint-levels,skins,bounds,paired-levels,pose-cache,joint-keys,pose-keys,error-matrix,contacts,compact-clips";
 
 /** Mulberry32: seeded numbers in [0, 1). */
 function random(seed) {
@@ -48,10 +52,23 @@ function play(root, clip, times, show) {
   });
 }
 
-/** World positions of at most so many vertices, spread evenly; flat. */
-function skin(scene) {
+/** Names of nodes whose channels drive expressions and the gaze (VRMC_vrm_animation), not joints. */
+function notJoints({ parser: { json } }) {
+  const { expressions, lookAt } = json.extensions?.VRMC_vrm_animation ?? {};
+  const kinds = [expressions?.preset, expressions?.custom].flatMap((kind) => Object.values(kind ?? {}));
+  const nodes = [...kinds, lookAt].map((one) => json.nodes[one?.node]?.name);
+  return new Set(nodes.filter((name) => name !== undefined));
+}
+
+/** World positions of at most so many vertices, spread evenly; of all joints where there is no mesh. Flat. */
+function skin({ scene, others }) {
   const meshes = [];
   scene.traverse((object) => object.isMesh && meshes.push(object));
+  if (meshes.length === 0) {
+    const nodes = [];
+    scene.traverse((object) => object !== scene && !others.has(object.name) && nodes.push(object));
+    return () => nodes.map((node) => new Vector3().setFromMatrixPosition(node.matrixWorld));
+  }
   const count = meshes.reduce((sum, mesh) => sum + mesh.geometry.attributes.position.count, 0);
   const step = Math.max(1, Math.ceil(count / MOST_VERTICES));
   return () => {
@@ -88,7 +105,7 @@ function farthest(times, wanted, shown) {
 async function opened(file, name) {
   const { gltf } = await openScene(file);
   const clip = gltf.animations.find((one) => one.name === name) ?? gltf.animations[0];
-  return { scene: gltf.scene, clip };
+  return { scene: gltf.scene, clip, others: notJoints(gltf) };
 }
 
 function bvh(file) {
@@ -125,35 +142,42 @@ function told(file, clip, way, { max_mm, secs }, bound_mm) {
   console.error(row.join(" "));
 }
 
-async function judge(file, index, measured) {
+async function judge(file, asset, index, measured) {
   const name = measured.name;
   const source = await opened(file, name);
   const seeded = random(1000 + index);
   const times = Array.from({ length: RANDOM_TIMES }, () => seeded() * source.clip.duration);
-  const wanted = play(source.scene, source.clip, times, skin(source.scene));
+  const wanted = play(source.scene, source.clip, times, skin(source));
   // What frames of regular keys miss is stated; everything else stays within the bound.
   const resampling_mm = Math.max(RESAMPLING_MM, measured.resampling_mm);
-  for (const [way, words, bound_mm] of [
-    ["glb", [], 0.01],
-    ["abp 0.1", ["--stream", "tolerance-mm=0.1"], 0.1 + resampling_mm],
-    ["abp 1", ["--stream", "tolerance-mm=1"], 1 + resampling_mm],
-  ]) {
-    const isStream = words.length > 0;
-    const written = join(folder, isStream ? "clip.abp" : "clip.glb");
-    articula("convert", file, written, "--clip", name, ...words);
-    const shown = join(folder, "shown.glb");
-    if (isStream) articula("convert", written, shown, "--onto", file);
-    const result = await opened(isStream ? shown : written, name);
-    const positions = play(result.scene, result.clip, times, skin(result.scene));
+  const ending = extname(file);
+  const same = join(folder, `clip${ending}`);
+  const stream = join(folder, "clip.abp");
+  const shown = join(folder, "shown.glb");
+  const streamed = (tolerance) => () => {
+    articula("convert", file, stream, "--clip", name, "--stream", `tolerance-mm=${tolerance}`);
+    articula("convert", stream, shown, "--onto", file);
+    return shown;
+  };
+  const ways = [
+    [ending.slice(1), () => (articula("convert", file, same, "--clip", name), same), 0.01],
+    ["abp 0.1", streamed("0.1"), 0.1 + resampling_mm],
+    ["abp 1", streamed("1"), 1 + resampling_mm],
+  ];
+  if (asset) ways.push(["build", () => asset, 0.01]);
+  for (const [way, write, bound_mm] of ways) {
+    const result = await opened(write(), name);
+    const positions = play(result.scene, result.clip, times, skin(result));
     told(file, name, way, farthest(times, wanted, positions), bound_mm);
   }
   const written = join(folder, "clip.bvh");
   articula("convert", file, written, "--clip", name);
   const { skeleton, clip } = bvh(written);
   const bone = (joint) => skeleton.bones.find((one) => one.name === joint);
-  const names = skeleton.bones.map((one) => one.name).filter((one) => one !== "ENDSITE");
-  const known = names.filter((one) => source.scene.getObjectByName(one));
   const find = (joint) => source.scene.getObjectByName(joint);
+  // Joints that got standard names may have those of other joints of the file; their parents differ.
+  const isKnown = ({ name, parent }) => find(name) && (!parent?.isBone || find(name).parent.name === parent.name);
+  const known = skeleton.bones.filter((one) => one.name !== "ENDSITE" && isKnown(one)).map((one) => one.name);
   const there = play(source.scene, source.clip, times, joints(find, known, 1));
   const here = play(skeleton.bones[0], clip, times, joints(bone, known, 0.01));
   told(file, name, "bvh", farthest(times, there, here), RESAMPLING_MM + BVH_MM);
@@ -165,7 +189,9 @@ try {
     const clips = articula("inspect", file).clips;
     const chosen = name === undefined ? clips : clips.filter((clip) => clip.name === name);
     if (chosen.length === 0) throw new Error(`${file} has no clip ${name}`);
-    for (const [index, clip] of chosen.entries()) await judge(file, index, clip);
+    const asset = extname(file) === ".vrma" ? undefined : join(folder, "asset.glb");
+    if (asset) articula("build", file, asset, "--without", NOT_CLIPS);
+    for (const [index, clip] of chosen.entries()) await judge(file, asset, index, clip);
   }
 } finally {
   rmSync(folder, { recursive: true });

@@ -1,6 +1,6 @@
 //! Rates at which the keys of a clip may all be frames.
 
-use super::USUAL_RATES_HZ;
+use super::{MAX_MULTIPLIED_HZ, USUAL_RATES_HZ};
 
 /// Maximum rate that is chosen automatically.
 pub(super) const MAX_RATE_HZ: f32 = 240.0;
@@ -61,6 +61,12 @@ pub(super) fn rates(keys: &[f32], duration: f32, keyed_hz: f32) -> Vec<f32> {
     rates.sort_by(f32::total_cmp);
     rates.dedup_by(|b, a| *b / *a - 1.0 < 1e-6);
     rates
+}
+
+/// Multiples of the rate of regular keys, rising, up to [`MAX_MULTIPLIED_HZ`].
+pub(super) fn multiples(keyed_hz: f32) -> Vec<f32> {
+    let all = (1..=MULTIPLES).map(|k| keyed_hz * k as f32);
+    all.filter(|rate| *rate <= MAX_MULTIPLIED_HZ).collect()
 }
 
 /// The lowest rate at which all keys and the end are frames, if they are ticks of a base.

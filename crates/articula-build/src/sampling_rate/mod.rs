@@ -1,10 +1,11 @@
 //! The rate at which frames of a clip represent its keys.
 //!
 //! A clip whose keys lie on the grid of its usual key interval gets that rate, multiplied where it
-//! turns so fast that blends of frames would leave it. Every other clip gets the lowest of the
-//! [candidates](candidates) whose frames [follow](deviation) the keys: hand-set and thinned keys lie
-//! on a finer grid than their usual interval, keys that begin late between the frames of one that
-//! begins at 0, and splines bend between keys.
+//! turns so fast that blends of frames would leave it; if there are less than 20 keys a second, the lowest
+//! multiple whose frames [follow](deviation) the keys. Every other clip gets the lowest of the
+//! [candidates](candidates) that does so: hand-set and thinned keys lie on a finer grid than their
+//! usual interval, keys that begin late between the frames of one that begins at 0, and splines bend
+//! between keys.
 
 mod candidates;
 mod deviation;
@@ -25,6 +26,10 @@ const USUAL_RATES_HZ: [f32; 14] = [
 
 /// Maximum rate to which that of regular keys is multiplied.
 const MAX_MULTIPLIED_HZ: f32 = 120.0;
+
+/// Least rate of regular keys that are taken to be the frames of a capture or of a baked clip. Between
+/// sparser ones joints turn so far that blends lag visibly.
+const BAKED_HZ: f32 = 20.0;
 
 /// Maximum difference between a clip of regular keys and its source between frames; on a limb of
 /// 0.4 m, about two millimetres. A joint that turns by 60 degrees in a frame stays below it under a
@@ -88,7 +93,7 @@ pub(crate) fn blended_rate(
         rate_hz: keyed * frames_per_key as f32,
         frames_per_key,
     };
-    chosen(clip, skeleton, usual, fits)
+    chosen(clip, skeleton, usual, BAKED_HZ, fits)
 }
 
 /// As [`blended_rate`], of frames that are keys of channels, between which rotations are interpolated
@@ -102,14 +107,16 @@ pub(crate) fn keyed_rate(
         rate_hz: source_rate_hz(clip),
         frames_per_key: 1,
     };
-    chosen(clip, skeleton, usual, fits)
+    chosen(clip, skeleton, usual, 0.0, fits)
 }
 
-/// The usual rate if keys are regular or its frames follow them, otherwise the best candidate.
+/// The usual rate if keys are regular, at `regular_hz` or more, or if its frames follow them; otherwise
+/// the best candidate.
 fn chosen(
     clip: &RawClip,
     skeleton: &Skeleton,
     usual: SamplingRate,
+    regular_hz: f32,
     fits: &dyn Fn(f32) -> bool,
 ) -> SamplingRate {
     let keyed = source_rate_hz(clip);
@@ -121,14 +128,18 @@ fn chosen(
         Interpolation::Step => true,
         Interpolation::CubicSpline => false,
     };
-    if is_regular && clip.channels.iter().all(is_plain) || !fits(usual.rate_hz) {
+    let is_regular_and_plain = is_regular && clip.channels.iter().all(is_plain);
+    if is_regular_and_plain && keyed >= regular_hz || !fits(usual.rate_hz) {
         return usual;
     }
     let mut follower = Follower::new(clip, skeleton);
     if follower.follows(usual.rate_hz) {
         return usual;
     }
-    let rates = candidates::rates(&keys, duration, keyed);
+    let rates = match is_regular_and_plain {
+        true => candidates::multiples(keyed),
+        false => candidates::rates(&keys, duration, keyed),
+    };
     let rates: Vec<f32> = rates.into_iter().filter(|r| fits(*r)).collect();
     let rate_hz = follower.best(&rates).unwrap_or(usual.rate_hz);
     let times = (rate_hz / keyed).round();
