@@ -224,7 +224,8 @@ fn is_on_grid(keys: &[f32], duration: f32, rate: f32) -> bool {
     if steps < 1.0 {
         return true;
     }
-    let rate = f64::from(exact_rate(steps as usize, duration, rate));
+    // Not the rounded rate: over many frames, rows of 0.0083333 s leave those of 120 Hz.
+    let rate = steps / f64::from(duration);
     keys.iter().all(|t| {
         let at = f64::from(*t) * rate;
         (at - at.round()).abs() <= ON_GRID_FRAMES + 2.0 * f64::from(f32::EPSILON) * at
@@ -285,4 +286,68 @@ fn leaves_chord(c: &Channel, from: f32, to: f32, bound: f32) -> bool {
         let [a, m, b] = [a, m, b].map(|v| Vec3::from_slice(&v));
         (a.lerp(b, u) - m).length() > bound
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::Transform;
+    use articula_core::source::Joint;
+
+    /// A joint at half a metre from the root that turns by an angle from key to key.
+    fn turning(count: usize, step_secs: f32, step_radians: f32) -> (RawClip, Skeleton) {
+        let times_secs: Vec<f32> = (0..count).map(|i| i as f32 * step_secs).collect();
+        let turn = |i: usize| Quat::from_rotation_z(i as f32 * step_radians).to_array();
+        let clip = RawClip {
+            duration_secs: times_secs[count - 1],
+            channels: vec![Channel {
+                target: 0,
+                property: Property::Rotation,
+                interpolation: Interpolation::Linear,
+                times_secs,
+                values: (0..count).flat_map(turn).collect(),
+            }],
+            ..RawClip::default()
+        };
+        let joint = |name: &str, parent, y| Joint {
+            name: name.to_owned(),
+            parent,
+            rest: Transform {
+                translation: Vec3::Y * y,
+                ..Transform::IDENTITY
+            },
+            in_skin: true,
+        };
+        let joints = vec![joint("a", None, 0.0), joint("b", Some(0), 0.5)];
+        (clip, Skeleton { joints })
+    }
+
+    #[test]
+    fn rounded_frame_times_are_regular_however_long_the_clip() {
+        for (step_secs, rate_hz) in [(0.008_333_3, 120.0), (0.033_333, 30.0), (0.016_67, 60.0)] {
+            let (clip, skeleton) = turning(2000, step_secs, 0.2);
+            let found = keyed_rate(&clip, &skeleton, &|_| true);
+            assert!((found.rate_hz / rate_hz - 1.0).abs() < 1e-3, "{found:?}");
+            assert_eq!(found.frames_per_key, 1);
+        }
+    }
+
+    #[test]
+    fn sparse_regular_keys_get_the_frames_that_they_need() {
+        let rate = |step_secs: f32, step_radians| {
+            let (clip, skeleton) = turning(9, step_secs, step_radians);
+            blended_rate(&clip, &skeleton, &|_| true)
+        };
+        // A quarter turn between keys half a second apart, at 0.5 m: a normalised linear blend of
+        // two frames that are apart by a small angle a lags by at most a^3 / 249 (series of the arc tangent).
+        let fast = rate(0.5, 1.5);
+        let angle = 1.5 / fast.frames_per_key as f32;
+        assert!((fast.rate_hz / (2.0 * fast.frames_per_key as f32) - 1.0).abs() < 1e-4);
+        assert!(0.5 * angle.powi(3) / 249.0 < 1.0e-4, "{fast:?}");
+        let one_less = 1.5 / (fast.frames_per_key - 1) as f32;
+        assert!(0.5 * one_less.powi(3) / 249.0 > 0.5e-4, "{fast:?}");
+        // Slow turns, and the keys of captures, keep their rate.
+        assert_eq!(rate(0.5, 0.05).frames_per_key, 1);
+        assert_eq!(rate(1.0 / 30.0, 0.4).frames_per_key, 1);
+    }
 }
