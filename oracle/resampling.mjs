@@ -1,8 +1,9 @@
 // How far written motions are from their source, judged by three.js: `node resampling.mjs PROGRAM
 // FILE[#CLIP]...`. PROGRAM is the articula program, FILE a GLB, VRM or VRMA; without CLIP all clips of the
 // file. Each clip is written in the format of FILE, as an asset (`build`, but for VRMA), as motion streams of 0.1
-// and 1 mm, which are decoded onto FILE, and as BVH; source and result are played at seeded random times. Prints one JSON row for each of them, {file, clip, way,
-// max_mm, secs, bound_mm}, and a table on standard error. Ends with status 1 if a bound is exceeded.
+// and 1 mm, which are decoded onto FILE, and as BVH; source and result are played at seeded random times. Prints
+// one JSON row for each of them, {file, clip, way, max_mm, secs, bound_mm}, and a table on standard error. Ends with
+// status 1 if a bound is exceeded.
 //
 // All files of a folder: `node resampling.mjs ../target/release/articula FOLDER/*.glb FOLDER/*.vrma`.
 
