@@ -30,7 +30,10 @@ impl Twins {
         let channels = clips.iter().flat_map(|c| &c.channels);
         let of_joints = channels.filter(|c| c.property.is_of_joint());
         let moved: BTreeSet<usize> = of_joints.map(|c| c.target).collect();
-        let twins = named(from, onto);
+        let twins = match is_same_tree(from, onto) {
+            true => (0..from.joints.len()).map(Some).collect(),
+            false => named(from, onto),
+        };
         let there = moved.iter().filter(|j| twins[**j].is_some()).count();
         if (there as f32) < SHARE * moved.len() as f32 {
             return None;
@@ -52,6 +55,13 @@ impl Twins {
             ..channel.clone()
         })
     }
+}
+
+/// Whether both skeletons have the same joints in the same order, which need no names then.
+fn is_same_tree(from: &Skeleton, onto: &Skeleton) -> bool {
+    let mut pairs = from.joints.iter().zip(&onto.joints);
+    from.joints.len() == onto.joints.len()
+        && pairs.all(|(a, b)| (&a.name, a.parent) == (&b.name, b.parent))
 }
 
 /// Matches joints by name, if the name is unique in both skeletons.
@@ -179,6 +189,18 @@ mod tests {
         let twins = Twins::of(&from, &[&clip], &onto).unwrap();
         assert_eq!(twins.0, [Some(1), Some(3), Some(4)]);
         assert_eq!(twins.channel(&clip.channels[2]).unwrap().target, 4);
+    }
+
+    #[test]
+    fn the_same_skeleton_needs_no_names() {
+        let from = skeleton(&[("", None, 1.0), ("", Some(0), 0.2), ("", Some(1), 0.4)]);
+        let clip = turning(&[0, 2]);
+        let twins = Twins::of(&from, &[&clip], &from).unwrap();
+        assert_eq!(twins.0, [Some(0), Some(1), Some(2)]);
+        let other = skeleton(&[("", None, 1.0), ("", Some(0), 0.2), ("", Some(0), 0.4)]);
+        assert!(Twins::of(&from, &[&clip], &other).is_none());
+        let longer = skeleton(&[("", None, 1.0), ("", Some(0), 0.3), ("", Some(1), 0.4)]);
+        assert!(Twins::of(&from, &[&turning(&[1])], &longer).is_none());
     }
 
     #[test]
