@@ -128,7 +128,7 @@ impl Appearance {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Emission<'a> {
     light: Vec3,
-    texture: Option<WrappedTexture<'a>>,
+    pub(crate) texture: Option<WrappedTexture<'a>>,
 }
 
 impl Emission<'_> {

@@ -235,6 +235,11 @@ fn a_stream_that_ends_early_is_partial() {
         assert!(shown.contains(&told), "{shown}");
         let shown = articula(&here, &["inspect", whole]).out;
         assert!(!shown.contains("partial"), "{shown}");
+        if !onto.is_empty() {
+            let measured = json(&here, &[&["lod", part], onto].concat());
+            assert_eq!(measured["warnings"], serde_json::json!([told]));
+            assert_eq!(measured["tiers"][0]["error_mm_max"], 0.0);
+        }
     }
     // A stream without its finer tiers has all access units.
     json(

@@ -288,7 +288,7 @@ impl<'a> Painter<'a> {
             let color = |v| appearance.at_vertex(&self.subject, v as u32).to_array();
             let mut colors = vertices.map(|v| color(v).map(|level| level as u8));
             let first = colors.next().unwrap_or([255; 3]);
-            let is_plain = appearance.detail.is_none();
+            let is_plain = appearance.detail().is_none();
             PlanarMaterial {
                 name: material.name.clone(),
                 albedo: (is_plain && colors.all(|c| c == first)).then_some(first),
@@ -302,7 +302,6 @@ impl<'a> Painter<'a> {
         SurfaceColor {
             material,
             texture: self.subject.appearance.texture_of(material),
-            detail: self.subject.appearance.detail_of(material),
             emission: self.subject.appearance.emission_of(material),
         }
     }

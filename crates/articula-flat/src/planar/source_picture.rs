@@ -188,7 +188,7 @@ impl<'a> SourcePainter<'a> {
 
     fn texture_level(&self, triangle: usize) -> usize {
         let corners = self.subject.triangles[triangle];
-        let Some(texture) = self.painter.appearance_of(&corners).detail else {
+        let Some(texture) = self.painter.appearance_of(&corners).detail() else {
             return 0;
         };
         let uv = corners.map(|v| self.subject.mesh.texcoords[v as usize]);

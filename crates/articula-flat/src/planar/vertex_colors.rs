@@ -23,12 +23,15 @@ const ROUNDS: usize = 24;
 pub(super) struct SurfaceColor<'a> {
     pub(super) material: &'a Material,
     pub(super) texture: Option<WrappedTexture<'a>>,
-    /// As [`Appearance::detail_of`](crate::Appearance::detail_of).
-    pub(super) detail: Option<WrappedTexture<'a>>,
     pub(super) emission: Emission<'a>,
 }
 
-impl SurfaceColor<'_> {
+impl<'a> SurfaceColor<'a> {
+    /// As [`Appearance::detail_of`](crate::Appearance::detail_of).
+    pub(super) fn detail(&self) -> Option<WrappedTexture<'a>> {
+        self.texture.or(self.emission.texture)
+    }
+
     /// sRGB levels and opacity at a texture coordinate, without light: base colour and emission, of
     /// which the share that is not lit is [`Appearance::own_light`](crate::Appearance::own_light).
     pub(super) fn color(&self, vertex_color: Vec4, at: Vec2, level: usize) -> (Vec3, f32) {
@@ -141,7 +144,7 @@ impl Fit {
     ) {
         let mesh = subject.mesh;
         let unknowns = triangle.map(|v| self.unknown(subject, v, appearance));
-        let Some(texture) = appearance.detail else {
+        let Some(texture) = appearance.detail() else {
             return;
         };
         let places = triangle.map(|v| mesh.positions[v as usize]);
@@ -286,7 +289,6 @@ mod tests {
         let appearance = || SurfaceColor {
             material,
             texture: look.texture_of(material),
-            detail: look.detail_of(material),
             emission: look.emission_of(material),
         };
         let found = fitted(&subject, |_| appearance());
@@ -311,7 +313,6 @@ mod tests {
         let given_off = fitted(&subject, |_| SurfaceColor {
             material: &glowing,
             texture: look.texture_of(&glowing),
-            detail: look.detail_of(&glowing),
             emission: look.emission_of(&glowing),
         });
         assert_eq!(given_off, found);
@@ -325,7 +326,6 @@ mod tests {
         let appearance = || SurfaceColor {
             material: &material,
             texture: None,
-            detail: None,
             emission: look.emission_of(&material),
         };
         for (vertex, color) in fitted(&subject, |_| appearance()) {

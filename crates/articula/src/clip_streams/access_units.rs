@@ -3,7 +3,7 @@
 use crate::error::Result;
 use articula_formats::Warning;
 use articula_stream::abp2::{MotionHead, prefix_map};
-use articula_stream::{StreamKind, StreamLimits};
+use articula_stream::{StreamKind, StreamLimits, Unit};
 use serde::Serialize;
 
 /// How many of its access units a stream has. One that was cut by levels or tiers has all of them.
@@ -30,10 +30,18 @@ impl AccessUnitCount {
         if !is_known {
             return Ok(None);
         }
-        let of = MotionHead::open(stream, limits)?.access_units;
-        // The first part of a map is the head.
-        let whole = prefix_map(stream, limits)?.children.len() - 1;
-        Ok(Some(Self { whole, of }))
+        let head = MotionHead::open(stream, limits)?;
+        let map = prefix_map(stream, limits)?;
+        Ok(Some(Self::new(&head, &map)))
+    }
+
+    /// Counts the access units of the map of a stream with this head.
+    pub(crate) fn new(head: &MotionHead, map: &Unit) -> Self {
+        Self {
+            // The first part of a map is the head.
+            whole: map.children.len().saturating_sub(1),
+            of: head.access_units,
+        }
     }
 
     /// Returns whether access units are missing.

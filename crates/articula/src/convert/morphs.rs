@@ -4,25 +4,7 @@ use articula_core::source::{Channel, Character, Interpolation, Property, RawClip
 
 /// Channels for the other character; joint channels are ignored.
 pub(super) fn channels(from: &Character, clip: &RawClip, onto: &Character) -> Vec<Channel> {
-    let mut made = Vec::new();
-    for (target, mesh) in onto.meshes.iter().enumerate() {
-        let weights = clip
-            .channels
-            .iter()
-            .filter(|c| c.property == Property::Weights);
-        // If several source meshes have matching names, the one with the most matches drives.
-        let shared = |c: &&Channel| twins(&from.meshes[c.target], mesh).flatten().count();
-        if let Some(channel) = weights.max_by_key(shared)
-            && shared(&channel) > 0
-        {
-            made.push(weights_of(
-                channel,
-                &from.meshes[channel.target],
-                mesh,
-                target,
-            ));
-        }
-    }
+    let mut made = weights(from, clip, onto);
     for channel in clip
         .channels
         .iter()
@@ -36,6 +18,45 @@ pub(super) fn channels(from: &Character, clip: &RawClip, onto: &Character) -> Ve
         }));
     }
     made
+}
+
+/// Channels of morph weights.
+fn weights(from: &Character, clip: &RawClip, onto: &Character) -> Vec<Channel> {
+    let of_weights = |c: &&Channel| c.property == Property::Weights;
+    if are_same(&from.meshes, &onto.meshes) {
+        return clip.channels.iter().filter(of_weights).cloned().collect();
+    }
+    let mut made = Vec::new();
+    for (target, mesh) in onto.meshes.iter().enumerate() {
+        let weights = clip.channels.iter().filter(of_weights);
+        // If several source meshes have matching names, the one with the most matches drives.
+        let shared = |c: &&Channel| twins(&from.meshes[c.target], mesh).flatten().count();
+        if let Some(channel) = weights.max_by_key(shared)
+            && shared(&channel) > 0
+        {
+            made.push(weights_of(
+                channel,
+                &from.meshes[channel.target],
+                mesh,
+                target,
+            ));
+        }
+    }
+    made
+}
+
+/// Whether both characters have the same meshes, whose morph targets need no names then.
+fn are_same(from: &[RawMesh], onto: &[RawMesh]) -> bool {
+    let vertices = |mesh: &RawMesh| -> usize {
+        let of_primitives = mesh.primitives.iter().map(|p| p.positions.len());
+        of_primitives.sum()
+    };
+    let shape = |mesh: &RawMesh| (vertices(mesh), mesh.morph_weights.len());
+    let mut pairs = from.iter().zip(onto);
+    from.len() == onto.len()
+        && pairs.all(|(a, b)| {
+            (&a.name, &a.morph_names, shape(a)) == (&b.name, &b.morph_names, shape(b))
+        })
 }
 
 /// For each morph target of `onto`, the index of the one of `from` with its name.
@@ -109,6 +130,20 @@ mod tests {
         assert_eq!(made.len(), 1);
         assert_eq!(made[0].values, [0.2, 0.25, 0.1, 0.4, 0.25, 0.3]);
         assert!(channels(&from, &clip, &with_morphs(&["other"], 0.0)).is_empty());
+    }
+
+    #[test]
+    fn weights_of_the_same_mesh_need_no_names() {
+        let unnamed = |targets: usize| Character {
+            meshes: vec![RawMesh {
+                morph_weights: vec![0.0; targets],
+                ..RawMesh::default()
+            }],
+            ..Character::default()
+        };
+        let clip = driven(Property::Weights, vec![0.1, 0.2, 0.3, 0.4]);
+        assert_eq!(channels(&unnamed(2), &clip, &unnamed(2)), clip.channels);
+        assert!(channels(&unnamed(2), &clip, &unnamed(3)).is_empty());
     }
 
     #[test]

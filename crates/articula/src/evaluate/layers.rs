@@ -1,13 +1,13 @@
 //! What each part of a motion stream shows: the error of leaving it out.
 
 use crate::clip_streams::abp2::decode;
-use crate::clip_streams::region_name;
+use crate::clip_streams::{AccessUnitCount, region_name};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::work::Executor;
 use articula_core::{Clip, PosedMesh, SkinnedMesh, Viewport, Wrap, sample_morphs};
 use articula_formats::Limits;
-use articula_stream::abp2::{Grouping, MotionHead, motion_map};
+use articula_stream::abp2::{Grouping, MotionHead, prefix_map};
 use articula_stream::{StreamLimits, Unit, cut};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -56,7 +56,7 @@ pub struct LayersReport {
     /// The stream with one group cut to a tier, by group and tier, finest first; the last of each
     /// group is the stream without it. Cuts that leave nothing out are not listed.
     pub groups: Vec<LayerReport>,
-    /// Warnings about the stream's file, such as tracks that were left out.
+    /// Warnings about the stream's file: access units that are missing, tracks that were left out.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -162,10 +162,13 @@ pub fn layers(
     let limits = Limits::default();
     let (rig, mesh) = (&of.asset.rig, &of.asset.mesh);
     let decoded = |bytes: &[u8]| decode(bytes, rig, of.opened.name(), &limits).context(name);
-    let clip = decoded(bytes)?;
     let stream_limits = StreamLimits::default();
     let head = MotionHead::open(bytes, &stream_limits).context(name)?;
-    let map = motion_map(bytes, &stream_limits).context(name)?;
+    let map = prefix_map(bytes, &stream_limits).context(name)?;
+    let count = AccessUnitCount::new(&head, &map);
+    // Of a stream that ends early, the access units that are there as a whole are measured.
+    let bytes = &bytes[..(map.bits.end / 8) as usize];
+    let clip = decoded(bytes)?;
     let every = clip.frames().div_ceil(MOST_FRAMES).max(1);
     let measured = |wanted: Wanted| -> Result<(Scope, LayerReport)> {
         let cut = cut(bytes, &map, |unit| wanted.keeps(unit)).context(name)?;
@@ -215,7 +218,11 @@ pub fn layers(
         tiers: of_scope(Scope::Whole),
         levels: of_scope(Scope::Levels),
         groups: of_scope(Scope::Group),
-        warnings: Vec::new(),
+        warnings: count
+            .is_partial()
+            .then(|| count.to_string())
+            .into_iter()
+            .collect(),
     })
 }
 

@@ -67,11 +67,13 @@ impl MotionTables {
         let (rig, of_clip, mesh) = (&asset.rig, &asset.clips[clip], &asset.mesh);
         let current = table_hashes(rig, of_clip, mesh);
         // Older files have other hashes of the same data.
-        let hashes = |stored: &TableHashes| match *stored == current {
-            true => current,
-            false => Some(old_hashes::table_hashes(rig, of_clip, mesh))
-                .filter(|old| old == stored)
-                .unwrap_or(current),
+        let hashes = |stored: &TableHashes| {
+            let is_old = || *stored == old_hashes::table_hashes(rig, of_clip, mesh);
+            if *stored != current && is_old() {
+                *stored
+            } else {
+                current
+            }
         };
         let mut reader = TableReader {
             bytes: &|name| gltf.document.motion_table(clip, name),

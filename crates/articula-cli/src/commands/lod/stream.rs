@@ -39,7 +39,7 @@ pub(super) fn run(args: &LodArgs, character: &Path, console: &Console) -> anyhow
         viewport: args.view.viewport(),
     };
     let mut report = console.work(|work| layers(&stream.bytes, &name, &figure, &options, work))?;
-    report.warnings = open::warnings(&stream.warnings);
+    report.warnings.extend(open::warnings(&stream.warnings));
     console.result(&report, text)
 }
 
