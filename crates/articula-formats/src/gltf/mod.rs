@@ -22,7 +22,7 @@
 //! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
 //! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
-//! - `weight`: size of meshes in bytes
+//! - `weight`: size of meshes in bytes; `compact`: equal arrays once, numbers of few digits
 //! - `write`: back to bytes
 //!
 //! Source: glTF 2.0 specification (ISO/IEC 12113:2022). See `docs/formats/gltf.md`.
@@ -35,6 +35,7 @@ mod articulation;
 mod bounds;
 mod clips;
 mod clustered;
+mod compact;
 mod compression;
 mod container;
 mod credits;

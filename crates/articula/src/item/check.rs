@@ -1,11 +1,11 @@
 //! Checks of a manifest that somebody else wrote.
 
-use super::manifest::{FORMAT, Manifest, VERSION};
+use super::manifest::{FORMAT, Manifest, VERSION, VERSION_WITHOUT_FILES};
 use super::name::check_name;
 use super::part::{ItemLayer, ItemPart, PartKind};
 use crate::error::{Context, Error, Result};
 use articula_formats::Limits;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum size of a manifest in bytes.
 pub(super) const MANIFEST_BYTES: u64 = 1 << 24;
@@ -43,8 +43,11 @@ impl Manifest {
             let what = format!("\"{}\", expected \"{FORMAT}\"", self.format);
             return wrong("format".into(), what);
         }
-        if self.version != VERSION {
-            let what = format!("{}, this program reads {VERSION}; update it", self.version);
+        if ![VERSION, VERSION_WITHOUT_FILES].contains(&self.version) {
+            let what = format!(
+                "{}, this program reads {VERSION_WITHOUT_FILES} and {VERSION}; update it",
+                self.version
+            );
             return wrong("version".into(), what);
         }
         for (name, count) in [
@@ -72,7 +75,7 @@ impl Manifest {
         let mut known = BTreeSet::new();
         let mut sum = 0_u64;
         let indices = self.parts.iter().filter_map(|part| part.index.as_deref());
-        let files = self.files().into_iter();
+        let files = self.sizes().into_iter();
         for (name, bytes) in files.chain(indices.map(|name| (name, 0))) {
             check_name(name)?;
             // Names that differ in case alone are one file on some systems.
@@ -81,12 +84,63 @@ impl Manifest {
             }
             sum = sum.saturating_add(bytes);
         }
+        self.check_entries()?;
         if sum > limits.bytes {
             let what = format!("{sum} bytes in all files, the limit is {}", limits.bytes);
             return Err(Error::unsuited(what));
         }
         Ok(())
     }
+}
+
+impl Manifest {
+    /// Checks what is said of how files travel.
+    fn check_entries(&self) -> Result<()> {
+        let sizes: BTreeMap<&str, u64> = self.sizes().into_iter().collect();
+        for (name, entry) in &self.files {
+            let at = || format!("files[\"{name}\"]");
+            match sizes.get(name.as_str()) {
+                Some(bytes) if *bytes == entry.bytes => {}
+                Some(bytes) => {
+                    let what = format!("{}, elsewhere {bytes}", entry.bytes);
+                    return wrong(format!("{}.bytes", at()), what);
+                }
+                None => return wrong(at(), "no part of the item has this file"),
+            }
+            if entry.sent_bytes() > entry.bytes {
+                return wrong(format!("{}.compressed_bytes", at()), "more than the bytes");
+            }
+            let is_digit = |c: char| c.is_ascii_digit() || ('a'..='f').contains(&c);
+            if entry.hash.len() != 64 || !entry.hash.chars().all(is_digit) {
+                let what = "expected 64 hexadecimal digits in lower case";
+                return wrong(format!("{}.hash", at()), what);
+            }
+        }
+        let lacking = sizes.keys().find(|name| !self.files.contains_key(**name));
+        match lacking.filter(|_| self.version == VERSION) {
+            Some(name) => wrong("files".into(), format!("\"{name}\" is missing")),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Checks that ranges rise, stay within a stream and have some bytes; none are not checked.
+fn ranges(ranges: &[[u64; 2]], bytes: u64, of_stream: u64) -> Result<()> {
+    let mut end = 0;
+    let mut sum = 0_u64;
+    for (r, [start, count]) in ranges.iter().enumerate() {
+        let next = start.checked_add(*count).filter(|next| *next <= of_stream);
+        let (Some(next), true) = (next, *start >= end && *count > 0) else {
+            let what = "ranges must rise, have bytes and stay within the stream";
+            return wrong(format!("ranges[{r}]"), what);
+        };
+        (end, sum) = (next, sum.saturating_add(*count));
+    }
+    if !ranges.is_empty() && sum != bytes {
+        let what = format!("{sum} bytes, but it has {bytes}");
+        return wrong("ranges".into(), what);
+    }
+    Ok(())
 }
 
 impl ItemPart {
@@ -113,9 +167,11 @@ impl ItemPart {
         number("base_error_m".into(), self.base_error_m)?;
         number("duration_secs".into(), self.duration_secs)?;
         number("rate_hz".into(), self.rate_hz)?;
+        ranges(&self.base_ranges, self.base_bytes, self.bytes).context("base")?;
         for (l, layer) in self.layers.iter().enumerate() {
             let at = || format!("layers[{l}]");
             layer.check(l, is_texture).with_context(at)?;
+            ranges(&layer.ranges, layer.bytes, self.bytes).with_context(at)?;
         }
         let all = vec![true; count];
         if self.bytes_of(&all) != self.bytes && !is_texture {

@@ -1,7 +1,6 @@
 //! Motions of the face of an item: AFP-2 streams by level and tier, with their errors on this head.
 
 use super::files::NewFiles;
-use super::governed::charge;
 use super::motion_error::measured;
 use super::motion_part::{keep, kept, needs, region_entries, without_units};
 use super::options::FaceMotion;
@@ -67,17 +66,10 @@ pub(super) fn part(
             ..ItemLayer::default()
         });
     }
-    let base_bytes = charge(&coded.unit, &mut layers, coded.bytes.len());
     let without = cuts[1 + grid.len()..].iter().zip(of_regions);
     let regions = region_entries(true, &regions, without);
-    let bytes = coded.bytes.len() as u64;
     let file = format!("faces/{stem}.afp");
-    let (file, index) = files.put_stream(&file, coded.bytes, &coded.unit)?;
-    Ok(ItemPart {
-        file: Some(file),
-        index: Some(index),
-        bytes,
-        base_bytes,
+    let mut part = ItemPart {
         base_error_m: Some(errors[0].max_metres),
         duration_secs: Some(f64::from(truth.duration_secs())),
         rate_hz: Some(f64::from(head.rate_hz)),
@@ -85,7 +77,9 @@ pub(super) fn part(
         layers,
         regions,
         ..ItemPart::new(stem, PartKind::FaceMotion)
-    })
+    };
+    part.put_stream(&file, coded.bytes, &coded.unit, files)?;
+    Ok(part)
 }
 
 /// A face motion as the clip that shows it on a figure.

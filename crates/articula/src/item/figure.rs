@@ -4,11 +4,12 @@ use crate::error::Result;
 use crate::open::GltfSource;
 use articula_core::Articulation;
 use articula_core::source::{
-    Channel, Character, Image, Interpolation, Property, RawClip, RawMesh, Skeleton,
+    Channel, Character, Image, Interpolation, Primitive, Property, RawClip, RawMesh, Skeleton,
 };
 use articula_flat::{Averaging, Picture};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, MeshGeometry, placeholder};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Name of the clip that keeps joints which only clips move.
 pub(super) const REST: &str = "rest";
@@ -41,7 +42,7 @@ pub(super) fn stripped(
     document.replace_clips(&clips, &gltf.node_of_joint, &gltf.node_of_mesh)?;
     let empty: Vec<Vec<_>> = meshes
         .iter()
-        .map(|mesh| mesh.primitives.iter().map(placeholder).collect())
+        .map(|mesh| mesh.primitives.iter().map(stand_in).collect())
         .collect();
     let geometry: Vec<MeshGeometry<'_>> = empty
         .iter()
@@ -70,12 +71,23 @@ pub(super) fn stripped(
         .collect();
     document.set_pictures(&pictures)?;
     document.set_articulation(articulation, &gltf.node_of_joint)?;
+    document.compact();
     Ok(StrippedFigure {
         glb: document.write_glb()?,
         is_replaced: pixels.iter().map(Option::is_some).collect(),
         holds_colors,
         left_out,
     })
+}
+
+/// What stands for a primitive: where it is, but for the rest as like any other as it can be, since equal
+/// arrays are stored once.
+fn stand_in(of: &Primitive) -> Primitive {
+    let mut made = placeholder(of);
+    made.normals.fill(Vec3::Z);
+    made.texcoords.fill(Vec2::ZERO);
+    made.colors.fill(Vec4::ONE);
+    made
 }
 
 /// How a picture is averaged.

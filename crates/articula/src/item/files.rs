@@ -1,10 +1,11 @@
 //! An item: its manifest and files, whole or cut.
 
 use super::check;
-use super::governed::{Governed, charge, numbers_of_regions};
-use super::manifest::Manifest;
+use super::governed::{Governed, numbers_of_regions};
+use super::manifest::{Manifest, VERSION};
 use super::name::check_name;
 use super::part::{ItemLayer, ItemPart};
+use super::sent::FileEntry;
 use crate::clip_streams::unit_tree;
 use crate::error::{Context, Error, Result};
 use articula_formats::{Limits, Resolver};
@@ -30,7 +31,21 @@ pub struct Item {
 impl Item {
     /// Creates an item of files that the caller vouches for.
     pub(super) fn new(manifest: Manifest, files: BTreeMap<String, Vec<u8>>) -> Self {
-        Self { manifest, files }
+        Self { manifest, files }.described()
+    }
+
+    /// The item with a manifest that describes how its files travel: those that changed anew.
+    fn described(mut self) -> Self {
+        let mut entries = BTreeMap::new();
+        for (name, _) in self.manifest.sizes() {
+            let bytes = self.file(name).unwrap_or_default();
+            let known = self.manifest.files.get(name).filter(|e| e.is_of(bytes));
+            let entry = known.cloned().unwrap_or_else(|| FileEntry::of(name, bytes));
+            entries.insert(name.to_owned(), entry);
+        }
+        self.manifest.files = entries;
+        self.manifest.version = VERSION;
+        self
     }
 
     /// Opens an item. `manifest` is the file [`MANIFEST`]; `resolver` returns the other files by the
@@ -44,13 +59,18 @@ impl Item {
     pub fn open(manifest: &[u8], limits: &Limits, resolver: &mut Resolver<'_>) -> Result<Self> {
         let manifest = check::read(manifest, limits).context(MANIFEST)?;
         let mut files = BTreeMap::new();
-        for (name, bytes) in manifest.files() {
+        for (name, bytes) in manifest.sizes() {
             let file = resolver(name).map_err(Error::Io).context(name)?;
             if file.len() as u64 != bytes {
                 let what = format!(
                     "{} bytes, the manifest has {bytes}; package the character again",
                     file.len()
                 );
+                return Err(Error::unsuited(what)).context(name);
+            }
+            if manifest.files.get(name).is_some_and(|e| !e.is_of(&file)) {
+                let what = "the file was changed: its hash is not that of the manifest; package the \
+                            character again";
                 return Err(Error::unsuited(what)).context(name);
             }
             files.insert(name.to_owned(), file);
@@ -79,8 +99,15 @@ impl Item {
 
     /// Bytes of all files that the manifest lists, without itself and the unit indices.
     pub fn bytes(&self) -> u64 {
-        let files = self.manifest.files().into_iter();
+        let files = self.manifest.sizes().into_iter();
         files.map(|(_, bytes)| bytes).fold(0, u64::saturating_add)
+    }
+
+    /// Bytes of all these files as they are sent.
+    pub fn sent_bytes(&self) -> u64 {
+        let files = self.manifest.sizes().into_iter();
+        let sent = files.map(|(name, _)| self.manifest.sent_bytes(name));
+        sent.fold(0, u64::saturating_add)
     }
 
     /// Bytes of the unit indices.
@@ -136,7 +163,7 @@ impl Item {
             };
             made.manifest.parts.extend(cut);
         }
-        Ok(made)
+        Ok(made.described())
     }
 
     /// Returns the item without its forms in 2D.
@@ -146,7 +173,7 @@ impl Item {
         for form in std::mem::take(&mut made.manifest.flat) {
             made.files.remove(&form.file);
         }
-        made
+        made.described()
     }
 
     /// Returns the item without some units of its streams, whatever layers they belong to, such as those
@@ -170,13 +197,11 @@ impl Item {
             }
             let left = numbers_of_regions(&cut.unit);
             part.regions.retain(|region| left.contains(&region.number));
-            part.layers.iter_mut().for_each(|layer| layer.bytes = 0);
-            part.base_bytes = charge(&cut.unit, &mut part.layers, cut.bytes.len());
-            part.bytes = cut.bytes.len() as u64;
+            part.charge(&cut.unit, cut.bytes.len());
             made.files.insert(index, write_index(&cut.unit));
             made.files.insert(file, cut.bytes);
         }
-        Ok(made)
+        Ok(made.described())
     }
 
     /// Returns the unit tree of the stream of a part.
@@ -215,11 +240,14 @@ impl Item {
         let stream = self.file(file).ok_or_else(missing)?;
         let unit = self.unit(part, stream)?;
         let Cut { bytes, unit } = cutter(part, kept, stream, &unit)?;
-        let part = ItemPart {
-            bytes: bytes.len() as u64,
-            ..with_layers(part, kept)
+        let stated = with_layers(part, kept);
+        let mut part = stated.clone();
+        part.charge(&unit, bytes.len());
+        let sizes = |part: &ItemPart| -> Vec<u64> {
+            let layers = part.layers.iter().map(|layer| layer.bytes);
+            layers.chain([part.base_bytes]).collect()
         };
-        if part.bytes != part.bytes_of(&vec![true; part.layers.len()]) {
+        if sizes(&part) != sizes(&stated) {
             let what = "the layers of the manifest are not those of the stream";
             return Err(Error::unsuited(what));
         }
@@ -285,18 +313,23 @@ impl NewFiles {
         }
         Ok(size)
     }
+}
 
-    /// Adds a stream with its index, of which the names are returned.
+impl ItemPart {
+    /// Adds the stream of the part with its index.
     pub(super) fn put_stream(
         &mut self,
         file: &str,
         bytes: Vec<u8>,
         unit: &Unit,
-    ) -> Result<(String, String)> {
+        files: &mut NewFiles,
+    ) -> Result<()> {
         let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
         let index = format!("{stem}.{INDEX_EXTENSION}");
-        self.put(file, bytes)?;
-        self.put(&index, write_index(unit))?;
-        Ok((file.to_owned(), index))
+        self.charge(unit, bytes.len());
+        files.put(file, bytes)?;
+        files.put(&index, write_index(unit))?;
+        (self.file, self.index) = (Some(file.to_owned()), Some(index));
+        Ok(())
     }
 }

@@ -3,6 +3,7 @@
 use super::part::{ItemLayer, ItemPart};
 use articula_stream::Unit;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// Which units a choice of layers keeps.
 ///
@@ -46,29 +47,79 @@ pub(super) fn belongs(unit: &Unit, layer: &ItemLayer) -> bool {
     !layer.keep.iter().any(differs)
 }
 
-/// Sets the bytes of layers: each outermost unit that belongs to a layer counts for the first one.
-/// Returns the bytes of the stream that no layer has.
-pub(super) fn charge(unit: &Unit, layers: &mut [ItemLayer], bytes: usize) -> u64 {
-    let schemes: BTreeSet<String> = layers.iter().flat_map(|l| l.keep.keys().cloned()).collect();
+impl ItemPart {
+    /// Sets the bytes of the part, its base and its layers, and where they lie in the stream: each
+    /// outermost unit that belongs to a layer counts for the first one, the base has the rest.
+    pub(super) fn charge(&mut self, unit: &Unit, bytes: usize) {
+        let bits = charged(unit, &self.layers);
+        let is_aligned = |bits: &Range<u64>| bits.start % 8 == 0 && bits.end % 8 == 0;
+        let are_bytes = bits.iter().flatten().all(is_aligned);
+        let ranges_of = |bits: Vec<Range<u64>>| if are_bytes { ranges(bits) } else { Vec::new() };
+        self.bytes = bytes as u64;
+        let of_layers = bits.iter().flatten().map(|bits| bits_to_bytes(bits));
+        self.base_bytes = self.bytes.saturating_sub(of_layers.sum());
+        let all: Vec<Range<u64>> = bits.iter().flatten().cloned().collect();
+        self.base_ranges = ranges_of(between(all, 8 * self.bytes));
+        for (layer, bits) in self.layers.iter_mut().zip(bits) {
+            layer.bytes = bits.iter().map(bits_to_bytes).sum();
+            layer.ranges = ranges_of(bits);
+        }
+    }
+}
+
+/// For each layer the bits of its units.
+fn charged(unit: &Unit, layers: &[ItemLayer]) -> Vec<Vec<Range<u64>>> {
+    let schemes: BTreeSet<&String> = layers.iter().flat_map(|l| l.keep.keys()).collect();
+    let is_governed = |unit: &Unit| {
+        let mut markers = unit.markers.iter();
+        markers.any(|m| schemes.iter().any(|s| ***s == *m.scheme))
+    };
     let mut open = vec![unit];
-    let mut charged = 0;
+    let mut charged = vec![Vec::new(); layers.len()];
     while let Some(unit) = open.pop() {
-        let is_governed = unit
-            .markers
-            .iter()
-            .any(|m| schemes.contains(m.scheme.as_ref()));
         // What has parts is left out with the last of them.
-        if !is_governed || !unit.children.is_empty() {
+        if !is_governed(unit) || !unit.children.is_empty() {
             open.extend(&unit.children);
             continue;
         }
-        let of = layers.iter_mut().find(|layer| belongs(unit, layer));
+        let of = layers.iter().position(|layer| belongs(unit, layer));
         if let Some(layer) = of {
-            layer.bytes += unit.bytes();
-            charged += unit.bytes();
+            charged[layer].push(unit.bits.clone());
         }
     }
-    (bytes as u64).saturating_sub(charged)
+    charged
+}
+
+fn bits_to_bytes(bits: &Range<u64>) -> u64 {
+    (bits.end - bits.start).div_ceil(8)
+}
+
+/// First byte and number of bytes of ranges of bits, rising, each as long as it can be.
+fn ranges(mut bits: Vec<Range<u64>>) -> Vec<[u64; 2]> {
+    bits.sort_unstable_by_key(|bits| bits.start);
+    let mut found: Vec<[u64; 2]> = Vec::new();
+    for bits in bits.iter().filter(|bits| !bits.is_empty()) {
+        let (start, bytes) = (bits.start / 8, bits_to_bytes(bits));
+        match found.last_mut() {
+            Some([first, count]) if *first + *count == start => *count += bytes,
+            _ => found.push([start, bytes]),
+        }
+    }
+    found
+}
+
+/// The bits up to `end` that none of the others have.
+fn between(mut others: Vec<Range<u64>>, end: u64) -> Vec<Range<u64>> {
+    others.sort_unstable_by_key(|bits| bits.start);
+    let mut at = 0;
+    let mut found = Vec::new();
+    for other in others.into_iter().chain([end..end]) {
+        if at < other.start {
+            found.push(at..other.start);
+        }
+        at = at.max(other.end);
+    }
+    found
 }
 
 /// Numbers of the regions that units of a stream have.
@@ -78,4 +129,52 @@ pub(super) fn numbers_of_regions(unit: &Unit) -> BTreeSet<u32> {
         numbers.extend(unit.marker("region").or_else(|| unit.marker("face_region")));
     });
     numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::item::part::PartKind;
+
+    fn layer(tier: u32) -> ItemLayer {
+        ItemLayer {
+            keep: [("tier".to_owned(), tier)].into(),
+            ..ItemLayer::default()
+        }
+    }
+
+    #[test]
+    fn layers_and_base_share_the_bytes_of_a_stream() {
+        let of = |tier, bytes| Unit::of_bytes("unit", bytes).marked("tier", tier);
+        let access_unit = |start: usize| Unit {
+            children: vec![
+                of(1, start + 2..start + 5),
+                of(1, start + 5..start + 6),
+                of(0, start + 6..start + 9),
+            ],
+            ..Unit::of_bytes("access_unit", start..start + 9)
+        };
+        let stream = Unit {
+            children: vec![
+                Unit::of_bytes("head", 0..4),
+                access_unit(4),
+                access_unit(13),
+            ],
+            ..Unit::of_bytes("stream", 0..22)
+        };
+        let mut part = ItemPart::new("walk", PartKind::BodyMotion);
+        part.layers = vec![layer(1), layer(0)];
+        part.charge(&stream, 22);
+        // Four bytes of head, and two before the units of each access unit.
+        assert_eq!((part.bytes, part.base_bytes), (22, 8));
+        assert_eq!(part.base_ranges, [[0, 6], [13, 2]]);
+        assert_eq!((part.layers[0].bytes, part.layers[1].bytes), (8, 6));
+        assert_eq!(part.layers[0].ranges, [[6, 4], [15, 4]]);
+        assert_eq!(part.layers[1].ranges, [[10, 3], [19, 3]]);
+        // Units that share bytes have no ranges of their own.
+        let mut shared = stream;
+        shared.children[1].children[0].bits.end -= 3;
+        part.charge(&shared, 22);
+        assert!(part.base_ranges.is_empty() && part.layers[0].ranges.is_empty());
+    }
 }

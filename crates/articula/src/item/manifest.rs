@@ -1,12 +1,16 @@
 //! The manifest of an item.
 
 use super::part::ItemPart;
+use super::sent::FileEntry;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Value of the member `format`.
 pub(super) const FORMAT: &str = "articula-item";
 /// Version of the form.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
+/// The version before, which says nothing of how files travel; it is read.
+pub(super) const VERSION_WITHOUT_FILES: u32 = 1;
 
 /// What an item holds: its files with their bytes, and the errors of leaving parts of them out.
 ///
@@ -15,7 +19,7 @@ pub(super) const VERSION: u32 = 1;
 pub struct Manifest {
     /// `articula-item`.
     pub format: String,
-    /// Version of the form, 1.
+    /// Version of the form, 2, or 1 of older items.
     pub version: u32,
     /// Program that wrote it.
     pub generator: String,
@@ -31,6 +35,9 @@ pub struct Manifest {
     /// Files that are carried whole, such as sound.
     #[serde(default)]
     pub whole: Vec<WholeFile>,
+    /// How each file travels, by its name, without the manifest and the unit indices. Empty in version 1.
+    #[serde(default)]
+    pub files: BTreeMap<String, FileEntry>,
     /// What was lost or could not be measured, as text for people.
     #[serde(default)]
     pub warnings: Vec<String>,
@@ -85,9 +92,9 @@ pub struct WholeFile {
 }
 
 impl Manifest {
-    /// Names and bytes of all files of the item, without the manifest and the unit indices, in the
+    /// Returns names and bytes of all files of the item, without the manifest and the unit indices, in the
     /// order of the manifest.
-    pub fn files(&self) -> Vec<(&str, u64)> {
+    pub fn sizes(&self) -> Vec<(&str, u64)> {
         let mut files = vec![(self.figure.file.as_str(), self.figure.bytes)];
         for part in &self.parts {
             files.extend(part.file.as_deref().map(|file| (file, part.bytes)));
@@ -99,10 +106,24 @@ impl Manifest {
         files
     }
 
-    /// Writes the manifest as JSON.
+    /// Returns the bytes of a file as it is sent: compressed if that is shorter. Of an item of version 1
+    /// all files count as they are.
+    pub fn sent_bytes(&self, file: &str) -> u64 {
+        match self.files.get(file) {
+            Some(entry) => entry.sent_bytes(),
+            None => {
+                let mut sizes = self.sizes().into_iter();
+                sizes
+                    .find(|(name, _)| *name == file)
+                    .map_or(0, |(_, bytes)| bytes)
+            }
+        }
+    }
+
+    /// Writes the manifest as JSON, on one line: clients fetch it first.
     pub(super) fn to_json(&self) -> Vec<u8> {
         // Strings, numbers and lists of them cannot fail.
-        let mut text = serde_json::to_vec_pretty(self).unwrap_or_default();
+        let mut text = serde_json::to_vec(self).unwrap_or_default();
         text.push(b'\n');
         text
     }

@@ -3,7 +3,6 @@
 
 use super::decoded_mesh::{DecodedMeshes, decoded};
 use super::files::NewFiles;
-use super::governed::charge;
 use super::motion_part::keep;
 use super::options::PackageOptions;
 use super::part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry};
@@ -162,31 +161,10 @@ pub(super) fn part(
     let (distances, poses) = shown.measured(figure, clips, &cuts)?;
     work.step(WHAT, 1, 1)?;
     let measured = Measured { cuts, distances };
-    let mut layers = measured.layers(count, base, &regions, &table.regions);
-    let base_bytes = charge(&unit, &mut layers, bytes.len());
-    let whole = bytes.len() as u64;
-    let levels = (0..count).filter_map(|level| {
-        let (cut, distances) = measured.found(CutOf::Level(level))?;
-        Some(MeshLevelEntry {
-            level: level as u32,
-            triangles: cut.triangles.len() as u64,
-            vertices: vertices(&cut.triangles),
-            bytes: bytes_to(&unit, level).saturating_add(base_bytes),
-            error_rest_m: f64::from(distances.rest.max_metres),
-            error_motion_m: f64::from(distances.motion.max_metres),
-            error_motion_p95_m: f64::from(distances.motion.p95_metres),
-        })
-    });
-    let levels = levels.collect();
-    let (file, index) = files.put_stream(FILE, bytes, &unit)?;
-    Ok(ItemPart {
-        file: Some(file),
-        index: Some(index),
-        bytes: whole,
-        base_bytes,
+    let layers = measured.layers(count, base, &regions, &table.regions);
+    let mut part = ItemPart {
         frames_measured: Some((poses.clips + poses.bends + poses.morphs) as u64),
         layers,
-        levels,
         regions: regions
             .iter()
             .map(|number| RegionEntry {
@@ -197,7 +175,22 @@ pub(super) fn part(
             })
             .collect(),
         ..ItemPart::new("mesh", PartKind::Mesh)
-    })
+    };
+    part.put_stream(FILE, bytes, &unit, files)?;
+    let levels = (0..count).filter_map(|level| {
+        let (cut, distances) = measured.found(CutOf::Level(level))?;
+        Some(MeshLevelEntry {
+            level: level as u32,
+            triangles: cut.triangles.len() as u64,
+            vertices: vertices(&cut.triangles),
+            bytes: bytes_to(&unit, level).saturating_add(part.base_bytes),
+            error_rest_m: f64::from(distances.rest.max_metres),
+            error_motion_m: f64::from(distances.motion.max_metres),
+            error_motion_p95_m: f64::from(distances.motion.p95_metres),
+        })
+    });
+    part.levels = levels.collect();
+    Ok(part)
 }
 
 /// Options of the levels, and the levels of a character of an item.

@@ -18,7 +18,8 @@
 //! - `mesh_part`, `motion_part`, `face_part`, `texture_part`, `flat`: its parts, with measured errors
 //! - `motion_error`: the error of motions at the skin
 //! - `manifest`, `part`, `check`: what an item holds, as JSON
-//! - `governed`: which units belong to which layers
+//! - `governed`: which units belong to which layers, and where they lie
+//! - `sent`: how files travel; `rounding`: numbers of few digits, for short manifests
 //! - `name`, `files`: names of files, and the item itself
 //! - `adapt`: from an item to one that a context asks for; `decision_report`: what was decided, as JSON
 //! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
@@ -61,6 +62,8 @@ mod name;
 mod options;
 mod package;
 mod part;
+mod rounding;
+mod sent;
 mod texture_part;
 
 pub use adapt::{
@@ -75,3 +78,4 @@ pub use manifest::{FigureEntry, FlatEntry, Manifest, WholeFile};
 pub use options::{CarriedFile, FaceMotion, PackageOptions};
 pub use package::package;
 pub use part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry, TextureView};
+pub use sent::FileEntry;

@@ -1,7 +1,6 @@
 //! Motions of an item: ABP-2 streams by level of articulation, region and tier.
 
 use super::files::NewFiles;
-use super::governed::charge;
 use super::motion_error::{MotionError, measured};
 use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
 use crate::clip_streams::abp2::{decode, write};
@@ -65,17 +64,10 @@ pub(super) fn part(
             ..ItemLayer::default()
         });
     }
-    let base = charge(&coded.unit, &mut layers, coded.bytes.len());
     let without = cuts[1 + grid.len()..].iter().zip(of_regions);
     let regions = region_entries(false, &regions, without);
-    let bytes = coded.bytes.len() as u64;
     let file = format!("clips/{stem}.abp");
-    let (file, index) = files.put_stream(&file, coded.bytes, &coded.unit)?;
-    Ok(ItemPart {
-        file: Some(file),
-        index: Some(index),
-        bytes,
-        base_bytes: base,
+    let mut part = ItemPart {
         base_error_m: Some(errors[0].max_metres),
         duration_secs: Some(f64::from(truth.duration_secs())),
         rate_hz: Some(f64::from(truth.rate_hz())),
@@ -83,7 +75,9 @@ pub(super) fn part(
         layers,
         regions,
         ..ItemPart::new(&truth.name, PartKind::BodyMotion)
-    })
+    };
+    part.put_stream(&file, coded.bytes, &coded.unit, files)?;
+    Ok(part)
 }
 
 /// Indices of the layers that the layer `i` of a motion needs: the next coarser level at its tier, and

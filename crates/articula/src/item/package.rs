@@ -13,6 +13,7 @@ use crate::open::{CharacterFile, choose};
 use crate::prepare::with_document;
 use crate::work::Executor;
 use articula_flat::Bounds;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Name of the figure's file.
@@ -101,7 +102,7 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         size_m: size(&figure),
         bytes: files.put(FIGURE, stripped.glb)?,
     };
-    let manifest = Manifest {
+    let mut manifest = Manifest {
         format: FORMAT.to_owned(),
         version: VERSION,
         generator: concat!("articula ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -110,8 +111,10 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         parts,
         flat,
         whole,
+        files: BTreeMap::new(),
         warnings,
     };
+    manifest.round_errors();
     Ok(Item::new(manifest, files.0))
 }
 

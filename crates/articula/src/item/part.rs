@@ -34,6 +34,9 @@ pub struct ItemPart {
     pub bytes: u64,
     /// Bytes that stay when all layers are cut: the head of a stream. 0 for a texture.
     pub base_bytes: u64,
+    /// Where they lie in the stream: first byte and number of bytes, rising.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub base_ranges: Vec<[u64; 2]>,
     /// Greatest error in metres when all layers are cut; `None` where nothing is shown then.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_error_m: Option<f64>,
@@ -74,6 +77,10 @@ pub struct ItemLayer {
     pub needs: Vec<usize>,
     /// Bytes of this layer alone.
     pub bytes: u64,
+    /// Where they lie in the stream: first byte and number of bytes, rising. Empty for a texture, and
+    /// where layers do not begin and end at whole bytes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ranges: Vec<[u64; 2]>,
     /// Greatest error in metres on the skin, in motion.
     pub error_m: f64,
     /// Mean error in metres.
@@ -166,6 +173,7 @@ impl ItemPart {
             index: None,
             bytes: 0,
             base_bytes: 0,
+            base_ranges: Vec::new(),
             base_error_m: None,
             duration_secs: None,
             rate_hz: None,

@@ -164,6 +164,27 @@ fn finer_layers_err_no_more(part: &ItemPart) {
     }
 }
 
+/// The bytes of some ranges of a stream.
+fn gathered(stream: &[u8], ranges: &[[u64; 2]]) -> Vec<u8> {
+    let slices = ranges.iter().map(|[start, count]| {
+        let start = *start as usize;
+        &stream[start..start + *count as usize]
+    });
+    slices.collect::<Vec<_>>().concat()
+}
+
+/// Base and layers have all bytes of a stream, and none twice.
+fn shares_all_bytes(part: &ItemPart) {
+    let of_layers = part.layers.iter().flat_map(|layer| &layer.ranges);
+    let mut ranges: Vec<[u64; 2]> = of_layers.chain(&part.base_ranges).copied().collect();
+    ranges.sort_unstable();
+    let end = ranges.into_iter().fold(0, |at, [start, count]| {
+        assert_eq!(at, start, "{}", part.name);
+        start + count
+    });
+    assert_eq!(end, part.bytes, "{}", part.name);
+}
+
 #[test]
 fn every_cut_of_an_item_keeps_its_promises() {
     let Some(path) = real::file("glb/pab_arnaud.glb") else {
@@ -212,6 +233,13 @@ fn every_cut_of_an_item_keeps_its_promises() {
             assert_eq!(file.len() as u64, after.bytes);
             let index = kept.file(after.index.as_ref().unwrap()).unwrap();
             read_index(index).unwrap().check_values(file).unwrap();
+            let whole = item.file(before.file.as_ref().unwrap()).unwrap();
+            let kept_layers = before.layers.iter().zip(keep).filter(|(_, keep)| **keep);
+            for ((before, _), after) in kept_layers.zip(&after.layers) {
+                let bytes = gathered(whole, &before.ranges);
+                assert_eq!(gathered(file, &after.ranges), bytes, "{}", before.name);
+                assert_eq!(bytes.len() as u64, before.bytes);
+            }
         }
         let shown = figure(&kept);
         let stated = [
@@ -229,7 +257,12 @@ fn every_cut_of_an_item_keeps_its_promises() {
     }
     for part in [mesh, motion] {
         finer_layers_err_no_more(part);
+        shares_all_bytes(part);
     }
+    assert!(mesh.layers.iter().all(|layer| layer.ranges.len() == 1));
+    // An access unit begins with its coarsest tier.
+    let base = &motion.layers[0].ranges;
+    assert!((1..=2).contains(&base.len()), "{base:?}");
     for level in &mesh.levels {
         let kept = item.kept(|part, l| {
             part.kind != PartKind::Mesh || part.layers[l].keep["level"] >= level.level
@@ -408,7 +441,7 @@ fn the_manifest_is_as_its_schema_says_and_the_same_each_time() {
     let files = item.files();
     let document: Value = serde_json::from_slice(&files.last().unwrap().1).unwrap();
     check(&schema, &schema, &document, "manifest");
-    let listed: Vec<&str> = item.manifest.files().iter().map(|f| f.0).collect();
+    let listed: Vec<&str> = item.manifest.sizes().iter().map(|f| f.0).collect();
     for (name, _) in &files {
         let is_known = listed.contains(&name.as_str()) || name.ends_with(".auix");
         assert!(is_known || name == MANIFEST, "{name}");
@@ -447,7 +480,8 @@ fn check(schema: &Value, root: &Value, value: &Value, at: &str) {
             );
         }
         for (name, inner) in object {
-            let of = schema["properties"].get(name);
+            let other = schema.get("additionalProperties");
+            let of = schema["properties"].get(name).or(other);
             let of = of.unwrap_or_else(|| panic!("{at}: {name} is not described"));
             check(of, root, inner, &format!("{at}.{name}"));
         }
@@ -478,7 +512,8 @@ fn hostile_manifests_are_refused_with_their_place() {
     let layer =
         |value: &mut Value, name: &str, to: Value| value["parts"][0]["layers"][0][name] = to;
     type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
-    let cases: [Change<'_>; 16] = [
+    let file = |value: &mut Value, name: &str, to: Value| value["files"]["figure.glb"][name] = to;
+    let cases: [Change<'_>; 22] = [
         ("absolute", &|m| m["figure"]["file"] = "/etc/passwd".into()),
         ("leaves the folder", &|m| {
             m["figure"]["file"] = "../figure.glb".into()
@@ -498,7 +533,21 @@ fn hostile_manifests_are_refused_with_their_place() {
         ("expected \"articula-item\"", &|m| {
             m["format"] = "other".into()
         }),
-        ("update it", &|m| m["version"] = 2.into()),
+        ("update it", &|m| m["version"] = 3.into()),
+        ("64 hexadecimal", &|m| file(m, "hash", "ABC".into())),
+        ("its hash is not", &|m| {
+            file(m, "hash", "0".repeat(64).into())
+        }),
+        ("elsewhere", &|m| file(m, "bytes", 7.into())),
+        ("more than the bytes", &|m| {
+            file(m, "compressed_bytes", u64::MAX.into())
+        }),
+        ("ranges must rise", &|m| {
+            layer(m, "ranges", serde_json::json!([[9, 1], [8, 1]]))
+        }),
+        ("within the stream", &|m| {
+            layer(m, "ranges", serde_json::json!([[u64::MAX, 2]]))
+        }),
         ("before this one", &|m| {
             layer(m, "needs", serde_json::json!([0]))
         }),
@@ -548,9 +597,12 @@ fn mutated_items_end_with_a_character_or_an_error() {
         let count = if name == MANIFEST { 120 } else { 25 };
         mutations.read_of(&files[changed].1, count, |bytes| {
             let mut files = files.clone();
-            // Sizes follow, so that the bytes themselves are read.
+            // Sizes follow and there are no hashes, so that the bytes themselves are read.
             if name != MANIFEST {
-                let manifest: Value = serde_json::from_slice(&files.last().unwrap().1).unwrap();
+                let text = &files.last().unwrap().1;
+                let mut manifest: Value = serde_json::from_slice(text).unwrap();
+                manifest["version"] = 1.into();
+                manifest.as_object_mut().unwrap().remove("files");
                 let text = manifest.to_string();
                 let old = format!("\"bytes\":{}", files[changed].1.len());
                 let new = format!("\"bytes\":{}", bytes.len());

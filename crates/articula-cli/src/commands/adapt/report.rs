@@ -74,14 +74,14 @@ impl AdaptReport {
         [decide_seconds, cut_seconds]: [f64; 2],
     ) -> Self {
         let sent: Vec<(String, u64)> = match adapted {
-            AdaptedItem::Layers(item) => sizes(item.manifest.files()),
+            AdaptedItem::Layers(item) => sizes(item.manifest.sizes()),
             AdaptedItem::Flat { files, .. } => {
                 let sizes = files.iter().map(|(n, b)| (n.clone(), b.len() as u64));
                 sizes.collect()
             }
         };
         let out = |name: &str| sent.iter().find(|(n, _)| n == name).map_or(0, |(_, b)| *b);
-        let streams = item.manifest.files().into_iter();
+        let streams = item.manifest.sizes().into_iter();
         let streams = streams.map(|(name, bytes)| StreamReport {
             name: name.to_owned(),
             bytes_in: bytes,

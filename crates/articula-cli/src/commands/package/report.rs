@@ -21,6 +21,8 @@ pub(crate) struct ItemReport {
     pub(crate) resampling: Vec<ClipResampling>,
     /// Bytes of all files, without manifest and unit indices.
     pub(crate) bytes: u64,
+    /// Bytes of these files as they are sent, compressed where that is shorter.
+    pub(crate) bytes_sent: u64,
     /// Bytes of the unit indices.
     pub(crate) bytes_index: u64,
     /// Warnings about the file that was packaged.
@@ -38,6 +40,7 @@ impl ItemReport {
             bytes_in: None,
             resampling: Vec::new(),
             bytes: item.bytes(),
+            bytes_sent: item.sent_bytes(),
             bytes_index: item.index_bytes(),
             warnings: Vec::new(),
             manifest: item.manifest.clone(),
@@ -48,19 +51,24 @@ impl ItemReport {
         let manifest = &self.manifest;
         let figure = &manifest.figure;
         let mut text = format!(
-            "{}: \"{}\", {} bytes in {} files, {} bytes of unit indices\n",
+            "{}: \"{}\", {} bytes in {} files, {} as sent; {} bytes of unit indices\n",
             clean(&self.file),
             clean(&manifest.name),
             self.bytes,
-            manifest.files().len(),
+            manifest.sizes().len(),
+            self.bytes_sent,
             self.bytes_index
         );
         if let Some(bytes) = self.bytes_in {
             text.push_str(&format!("packaged from {bytes} bytes\n"));
         }
         text.push_str(&format!(
-            "figure: {} bytes, {} joints; meshes of {} vertices, {} triangles\n\n",
-            figure.bytes, figure.joints, figure.vertices, figure.triangles
+            "figure: {} bytes, {} as sent, {} joints; meshes of {} vertices, {} triangles\n\n",
+            figure.bytes,
+            manifest.sent_bytes(&figure.file),
+            figure.joints,
+            figure.vertices,
+            figure.triangles
         ));
         text.push_str(&parts(manifest));
         for part in &manifest.parts {

@@ -173,6 +173,7 @@ mod tests {
             index: None,
             bytes: 0,
             base_bytes: 5,
+            base_ranges: Vec::new(),
             base_error_m: None,
             duration_secs: None,
             rate_hz: None,

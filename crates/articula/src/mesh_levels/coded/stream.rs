@@ -62,6 +62,8 @@ fn objects(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Result<Vec<Obj
             }
         }
     }
+    // A level of a region is one range of the stream.
+    objects.sort_by_key(|object| object.object.region);
     Ok(objects)
 }
 
