@@ -89,9 +89,9 @@ fn shorten(value: &mut Value) {
 mod tests {
     use super::*;
     use crate::Limits;
-    use articula_core::source::Primitive;
-    use articula_core::source::{Character, RawMesh};
-    use glam::Vec3;
+    use articula_core::Transform;
+    use articula_core::source::{Character, Joint, Primitive, RawMesh, Skeleton, Skin};
+    use glam::{Affine3A, Vec3};
     use serde_json::json;
 
     #[test]
@@ -100,6 +100,8 @@ mod tests {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y * 0.1],
             normals: vec![Vec3::Z; 3],
             influences: 1,
+            joints: vec![0; 3],
+            weights: vec![1.0; 3],
             triangles: vec![[0, 1, 2]],
             ..Primitive::default()
         };
@@ -109,10 +111,23 @@ mod tests {
         };
         let mesh = |name: &str, primitives| RawMesh {
             name: name.into(),
+            skin: Skin {
+                joints: vec![0],
+                inverse_bind: vec![Affine3A::IDENTITY],
+            },
             primitives,
             ..RawMesh::default()
         };
+        let joint = Joint {
+            name: "root".into(),
+            parent: None,
+            rest: Transform::IDENTITY,
+            in_skin: true,
+        };
         let character = Character {
+            skeleton: Skeleton {
+                joints: vec![joint],
+            },
             meshes: vec![
                 mesh("a", vec![triangle.clone(), other]),
                 mesh("b", vec![triangle]),
@@ -131,9 +146,9 @@ mod tests {
         let (after, bytes_after) = read(&document);
         assert_eq!(after, before);
         assert!(bytes_after < bytes_before);
-        // Two lists of positions, one of normals and one of indices.
-        assert_eq!(document.count("accessors"), 4);
-        assert_eq!(document.count("bufferViews"), 4);
+        // Two lists of positions; one of normals, joints, weights, indices and inverse bind matrices.
+        assert_eq!(document.count("accessors"), 7);
+        assert_eq!(document.count("bufferViews"), 7);
     }
 
     #[test]
