@@ -61,9 +61,9 @@ pub(super) fn of(
     };
     let opened = scene.figure.opened.clone();
     let item = package(opened, &options, work)?;
-    let whole = item.without_flat().bytes();
+    let whole = item.sent_bytes_of_layers();
     // For the joints, and half of the rest.
-    let half = 0.5 * (whole + item.manifest.figure.bytes) as f64;
+    let half = 0.5 * (whole + item.manifest.sent_bytes(&item.manifest.figure.file)) as f64;
     let half_kbps = 8e-3 * half / WAIT_SECS;
     let of_pictures: Vec<String> = item
         .manifest
@@ -93,14 +93,14 @@ pub(super) fn of(
         let adapted = adapt(&item, cut)?;
         let decision = &decided.decision;
         let parts = decision.parts.iter();
-        let label = format!("{name}: {:.1} kB", adapted.bytes() as f64 / 1e3);
+        let label = format!("{name}: {:.1} kB", adapted.sent_bytes() as f64 / 1e3);
         cells.push(SheetCell::of(drawn(&adapted)?, label));
         found.push(InContext {
             name,
             bandwidth_kbps,
             distance_m,
             modality: decision.modality.clone(),
-            bytes: adapted.bytes(),
+            bytes: adapted.sent_bytes(),
             error_px: decision.error_px,
             parts: parts
                 .map(|p| format!("{}: {}", p.name, p.option_name))
@@ -127,7 +127,7 @@ pub(super) fn of(
 fn drawn(adapted: &AdaptedItem) -> Result<Picture> {
     match adapted {
         AdaptedItem::Layers(item) => figure(item),
-        AdaptedItem::Flat { entry, files } => {
+        AdaptedItem::Flat { entry, files, .. } => {
             let of_entry = files.iter().find(|(name, _)| *name == entry.file);
             let text = of_entry.and_then(|(_, bytes)| std::str::from_utf8(bytes).ok());
             let text = text.ok_or_else(|| {

@@ -3,7 +3,7 @@
 //!
 //! Source: thesis 3.2.
 
-use super::choice::{Budget, Choice, ChoiceRequest, check, choose_among};
+use super::choice::{Budget, Choice, ChoiceRequest, check, choose_among, summed};
 use super::part::{Part, PartKind};
 use super::preference::Preference;
 use super::representation::{Representation, choose_representation, supports};
@@ -35,8 +35,12 @@ pub enum Bound {
     Bytes,
     /// The time per frame.
     FrameTime,
+    /// The memory.
+    Memory,
     /// A smaller error is not seen.
     View,
+    /// The part has no emphasis.
+    Emphasis,
     /// A limit or a wish.
     Preference(Preference),
     /// The client lacks a feature.
@@ -107,8 +111,12 @@ pub struct Decision {
     pub error_px: f64,
     /// Bytes within the window.
     pub bytes: u64,
-    /// What keeps the error from being smaller; empty at the least error.
+    /// What keeps the error from being smaller; empty at the least error. It names all that forbids the
+    /// next step of a part.
     pub bounds: Vec<Bound>,
+    /// Where the parts are not chosen: the fewest bytes within the window that they need in the time per
+    /// frame, the memory and the limits; `None` if no number of bytes is enough.
+    pub least_bytes: Option<u64>,
     /// What each part got; empty for another representation.
     pub parts: Vec<PartDecision>,
     /// The preferences that are not met: limits that no option of a part meets, and wishes that gave
@@ -148,9 +156,14 @@ pub fn decide(request: &DecisionRequest<'_>) -> Result<Decision, Mismatch> {
     } else {
         vec![Bound::Capability]
     };
+    let least_bytes = least_bytes(request, &allowed).filter(|_| shows_parts);
     Ok(match of_kind(None) {
-        Some(form) => flat(request, form, bounds, unmet),
+        Some(form) => Decision {
+            least_bytes,
+            ..flat(request, form, bounds, unmet)
+        },
         None => Decision {
+            least_bytes,
             request: request.choice,
             outcome: Outcome::Nothing,
             modality: String::new(),
@@ -211,9 +224,19 @@ fn flat(
         error_px: of.error_px,
         bytes: of.bytes,
         bounds,
+        least_bytes: None,
         parts: Vec::new(),
         unmet,
     }
+}
+
+/// The fewest bytes of the parts within time, memory and limits.
+fn least_bytes(request: &DecisionRequest<'_>, allowed: &[Vec<usize>]) -> Option<u64> {
+    let any_error = ChoiceRequest {
+        enough_px: f64::INFINITY,
+        ..lifted(&request.choice, Bound::Bytes)
+    };
+    choose_among(request.parts, allowed, &any_error).map(|choice| choice.bytes)
 }
 
 /// Which budget the cheapest options exceed.
@@ -223,15 +246,15 @@ fn too_little(request: &DecisionRequest<'_>) -> Vec<Bound> {
         let allowed: Vec<Vec<usize>> = request.parts.iter().map(all).collect();
         choose_among(request.parts, &allowed, &lifted(&request.choice, bound)).is_some()
     };
-    let mut bounds: Vec<Bound> = [Bound::Bytes, Bound::FrameTime]
-        .into_iter()
-        .filter(|b| without(*b))
-        .collect();
-    if bounds.is_empty() {
-        bounds = vec![Bound::Bytes, Bound::FrameTime];
+    let bounds: Vec<Bound> = BUDGETS.into_iter().filter(|b| without(*b)).collect();
+    match bounds.is_empty() {
+        true => BUDGETS.to_vec(),
+        false => bounds,
     }
-    bounds
 }
+
+/// What a budget has.
+const BUDGETS: [Bound; 3] = [Bound::Bytes, Bound::FrameTime, Bound::Memory];
 
 /// The request without one of its bounds.
 fn lifted(request: &ChoiceRequest, bound: Bound) -> ChoiceRequest {
@@ -239,7 +262,10 @@ fn lifted(request: &ChoiceRequest, bound: Bound) -> ChoiceRequest {
     match bound {
         Bound::Bytes => wide.budget.bytes = Budget::UNBOUNDED,
         Bound::FrameTime => wide.budget.frame_ns = Budget::UNBOUNDED,
-        Bound::View | Bound::Preference(_) | Bound::Capability => wide.enough_px = 0.0,
+        Bound::Memory => wide.budget.memory_bytes = Budget::UNBOUNDED,
+        Bound::View | Bound::Emphasis | Bound::Preference(_) | Bound::Capability => {
+            wide.enough_px = 0.0;
+        }
     }
     wide
 }
@@ -258,31 +284,50 @@ fn three_d(
         modality: THREE_D.to_owned(),
         error_px: parts.iter().map(|p| p.error_px).sum(),
         bytes: choice.bytes,
-        bounds: bounds(request, allowed, &choice),
+        bounds: bounds(request, allowed, &choice, &parts),
+        least_bytes: None,
         parts,
         outcome: Outcome::Parts(choice),
         unmet,
     }
 }
 
+/// What would have to be lifted for a smaller error, or forbids the next step of a part.
+fn bounds(
+    request: &DecisionRequest<'_>,
+    allowed: &[Vec<usize>],
+    choice: &Choice,
+    parts: &[PartDecision],
+) -> Vec<Bound> {
+    let mut bounds = match choice.is_enough {
+        // Each step that is left is not seen.
+        true => Vec::new(),
+        false => lifting(request, allowed, choice),
+    };
+    let next = parts.iter().filter_map(|part| part.next.as_ref());
+    for bound in next.flat_map(|next| &next.bounds) {
+        if !bounds.contains(bound) {
+            bounds.push(*bound);
+        }
+    }
+    bounds
+}
+
 /// What would have to be lifted for a smaller error.
-fn bounds(request: &DecisionRequest<'_>, allowed: &[Vec<usize>], choice: &Choice) -> Vec<Bound> {
+fn lifting(request: &DecisionRequest<'_>, allowed: &[Vec<usize>], choice: &Choice) -> Vec<Bound> {
     let smaller = |with: &ChoiceRequest, allowed: &[Vec<usize>]| {
         let found = choose_among(request.parts, allowed, with);
         found.is_some_and(|c| c.error_px < choice.error_px * (1.0 - 1e-6))
     };
-    if choice.is_enough {
-        let seen = smaller(&lifted(&request.choice, Bound::View), allowed);
-        return if seen { vec![Bound::View] } else { Vec::new() };
-    }
-    let one = [Bound::Bytes, Bound::FrameTime];
-    let mut bounds: Vec<Bound> = one
+    let mut bounds: Vec<Bound> = BUDGETS
         .into_iter()
         .filter(|b| smaller(&lifted(&request.choice, *b), allowed))
         .collect();
-    let ample = lifted(&lifted(&request.choice, Bound::Bytes), Bound::FrameTime);
+    let ample = BUDGETS
+        .into_iter()
+        .fold(request.choice, |r, b| lifted(&r, b));
     if bounds.is_empty() && smaller(&ample, allowed) {
-        bounds.extend(one);
+        bounds.extend(BUDGETS);
     }
     // A preference binds if one of its parts could take an option of smaller error without it.
     for preference in request.preferences {
@@ -322,30 +367,13 @@ fn part_decision(
     };
     let finer = (0..part.options.len()).filter(|i| px(*i) < px(now));
     let next = finer.max_by(|a, b| rate(*a).total_cmp(&rate(*b)).then(b.cmp(a)));
-    let next = next.map(|i| {
-        let mut bounds = Vec::new();
-        if choice.bytes - bytes(now) + bytes(i) > of.budget.bytes {
-            bounds.push(Bound::Bytes);
-        }
-        if choice.frame_ns - ns(now) + ns(i) > of.budget.frame_ns {
-            bounds.push(Bound::FrameTime);
-        }
-        if choice.is_enough {
-            bounds.push(Bound::View);
-        }
-        if !allowed[index].contains(&i) {
-            let refuses = |p: &&Preference| p.part == part.kind && !p.rule.allows(&part.options[i]);
-            let refusing = request.preferences.iter().filter(refuses);
-            bounds.extend(refusing.map(|p| Bound::Preference(*p)));
-        }
-        NextStep {
-            option: i,
-            option_name: part.options[i].name.clone(),
-            more_bytes: bytes(i) as i64 - bytes(now) as i64,
-            more_frame_ns: ns(i) as i64 - ns(now) as i64,
-            gain_px: px(now) - px(i),
-            bounds,
-        }
+    let next = next.map(|i| NextStep {
+        option: i,
+        option_name: part.options[i].name.clone(),
+        more_bytes: bytes(i) as i64 - bytes(now) as i64,
+        more_frame_ns: ns(i) as i64 - ns(now) as i64,
+        gain_px: px(now) - px(i),
+        bounds: forbidding(request, &allowed[index], choice, (index, i)),
     });
     PartDecision {
         name: part.name.clone(),
@@ -357,4 +385,38 @@ fn part_decision(
         error_px: px(now),
         next,
     }
+}
+
+/// What forbids an option of a part beside the choice of all others.
+fn forbidding(
+    request: &DecisionRequest<'_>,
+    allowed: &[usize],
+    choice: &Choice,
+    (index, option): (usize, usize),
+) -> Vec<Bound> {
+    let part = &request.parts[index];
+    let mut bounds = Vec::new();
+    if choice.is_enough {
+        bounds.push(Bound::View);
+    } else if part.weight == 0.0 {
+        bounds.push(Bound::Emphasis);
+    } else {
+        let mut with = choice.options.clone();
+        with[index] = option;
+        let sums = summed(request.parts, &with, &request.choice, 0.0, false);
+        let budget = &request.choice.budget;
+        let exceeds = |bound: &Bound| match bound {
+            Bound::Bytes => sums.bytes > budget.bytes,
+            Bound::FrameTime => sums.frame_ns > budget.frame_ns,
+            _ => sums.memory_bytes > budget.memory_bytes,
+        };
+        bounds.extend(BUDGETS.into_iter().filter(exceeds));
+    }
+    if !allowed.contains(&option) {
+        let refuses =
+            |p: &&Preference| p.part == part.kind && !p.rule.allows(&part.options[option]);
+        let refusing = request.preferences.iter().filter(refuses);
+        bounds.extend(refusing.map(|p| Bound::Preference(*p)));
+    }
+    bounds
 }

@@ -38,7 +38,11 @@ fn request(parts: &[Part], bytes: u64, frame_ns: u64) -> DecisionRequest<'_> {
         parts,
         parts_need: &[],
         choice: ChoiceRequest {
-            budget: Budget { bytes, frame_ns },
+            budget: Budget {
+                bytes,
+                frame_ns,
+                memory_bytes: Budget::UNBOUNDED,
+            },
             window_secs: 1.0,
             pixels_per_metre: 100.0,
             enough_px: 0.0,
@@ -177,6 +181,7 @@ fn below_the_lowest_level_the_modality_falls_to_2d() {
     of.choice.budget = Budget {
         bytes: 1 << 30,
         frame_ns: 150_000,
+        memory_bytes: Budget::UNBOUNDED,
     };
     assert_eq!(decide(&of).unwrap().bounds, [Bound::FrameTime]);
     of.choice.budget.frame_ns = 1 << 30;

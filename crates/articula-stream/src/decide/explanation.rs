@@ -11,7 +11,9 @@ impl Display for Bound {
         match self {
             Self::Bytes => f.write_str("the bytes"),
             Self::FrameTime => f.write_str("the time per frame"),
+            Self::Memory => f.write_str("the memory"),
             Self::View => f.write_str("what can be seen"),
+            Self::Emphasis => f.write_str("the emphasis, which is none"),
             Self::Preference(preference) => preference.fmt(f),
             Self::Capability => f.write_str("what the client supports"),
         }
@@ -92,11 +94,11 @@ impl Display for Decision {
             Budget::UNBOUNDED.. => f.write_str(", any time")?,
             ns => write!(f, ", {:.3} ms", ms(ns as f64))?,
         }
-        writeln!(
-            f,
-            " per frame, at {:.1} pixels per metre",
-            of.pixels_per_metre
-        )?;
+        f.write_str(" per frame, ")?;
+        if of.budget.memory_bytes < Budget::UNBOUNDED {
+            write!(f, "{} bytes of memory, ", of.budget.memory_bytes)?;
+        }
+        writeln!(f, "at {:.1} pixels per metre", of.pixels_per_metre)?;
         match &self.outcome {
             Outcome::Parts(choice) => {
                 write!(f, "chosen: 3D, {} bytes, ", self.bytes)?;

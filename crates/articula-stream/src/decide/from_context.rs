@@ -37,7 +37,7 @@ impl Default for Assumptions {
 
 impl ChoiceRequest {
     /// The request of a context: bytes of the usable bandwidth within the window, time per frame,
-    /// size on the screen, and the tolerance as the error that is not seen.
+    /// memory of the terminal, size on the screen, and the tolerance as the error that is not seen.
     ///
     /// ```
     /// use articula_stream::decide::{Assumptions, ChoiceRequest};
@@ -72,6 +72,9 @@ impl ChoiceRequest {
             budget: Budget {
                 bytes: share.bytes_allowed(),
                 frame_ns: frame_ns.unwrap_or(assumed.frame_ns),
+                memory_bytes: terminal
+                    .memory_bytes
+                    .map_or(Budget::UNBOUNDED, |bytes| bytes as u64),
             },
             window_secs: assumed.window_secs,
             // An angle of 0 shows a point.

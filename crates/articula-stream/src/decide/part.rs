@@ -38,6 +38,8 @@ pub struct PartOption {
     pub bytes_per_second: f64,
     /// Time per frame to decode, evaluate and draw it, nanoseconds.
     pub frame_ns: u64,
+    /// Bytes of memory that it takes once it is decoded.
+    pub memory_bytes: u64,
     /// Greatest distance of the shown skin from its true position because of this option, metres.
     pub error_m: f64,
     /// Error that does not depend on the distance, pixels.
@@ -120,6 +122,7 @@ impl Part {
             number(&of("bytes_once"), option.bytes_once as f64, most)?;
             number(&of("bytes_per_second"), option.bytes_per_second, most)?;
             number(&of("frame_ns"), option.frame_ns as f64, most)?;
+            number(&of("memory_bytes"), option.memory_bytes as f64, most)?;
             number(&of("error_m"), option.error_m, 1e6)?;
             number(&of("error_px"), option.error_px, 1e9)?;
         }

@@ -77,7 +77,7 @@ pub struct FramedParts {
 }
 
 /// A character framed by a camera, ready for flattening.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct FramedCharacter<'a> {
     figure: &'a Figure,
     shot: Shot,
@@ -166,20 +166,26 @@ impl<'a> FramedCharacter<'a> {
     /// An [`Error`] that names the file, as [`Self::new`].
     pub fn with_triangles(&self, count: usize) -> Result<Self> {
         let mut framed = Self {
-            figure: self.figure,
-            shot: self.shot,
-            appearance: self.appearance.clone(),
-            options: self.options.clone(),
             triangles: self.figure.asset.mesh.triangles.clone(),
-            frame_times_secs: self.frame_times_secs.clone(),
-            regions: self.regions.clone(),
-            tried: self.tried.clone(),
             count: Some(count),
-            weights: self.weights,
+            ..self.clone()
         };
         let seen = framed.seen()?;
         framed.triangles = framed.simplified(&seen, count, self.weights)?;
         Ok(framed)
+    }
+
+    /// Returns a still at a time in seconds, seen by the same camera, with the same triangles.
+    #[must_use]
+    pub fn still(&self, at_secs: f32) -> Self {
+        Self {
+            shot: Shot {
+                still_at: Some(at_secs),
+                ..self.shot
+            },
+            frame_times_secs: vec![f64::from(at_secs)],
+            ..self.clone()
+        }
     }
 
     /// Returns the triangle counts and weights that were tried; none for a count that was given.

@@ -167,6 +167,18 @@ impl ItemPart {
         number("base_error_m".into(), self.base_error_m)?;
         number("duration_secs".into(), self.duration_secs)?;
         number("rate_hz".into(), self.rate_hz)?;
+        for (name, entries) in [
+            ("regions", &self.regions),
+            ("face_levels", &self.face_levels),
+            ("left_out", &self.left_out),
+        ] {
+            for (r, entry) in entries.iter().enumerate() {
+                number(
+                    format!("{name}[{r}].error_without_m"),
+                    entry.error_without_m,
+                )?;
+            }
+        }
         ranges(&self.base_ranges, self.base_bytes, self.bytes).context("base")?;
         for (l, layer) in self.layers.iter().enumerate() {
             let at = || format!("layers[{l}]");

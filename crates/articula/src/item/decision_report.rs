@@ -2,7 +2,7 @@
 
 use super::adapt::{AdaptedItem, ItemDecision};
 use articula_core::Region;
-use articula_stream::decide::{Bound, Budget, PartDecision, PartKind};
+use articula_stream::decide::{Bound, PartDecision, PartKind};
 use articula_stream::description::{Decided, LAYERS};
 use serde::Serialize;
 
@@ -78,7 +78,10 @@ impl DecisionReport {
     pub fn of_table(table: &Decided, adapted: &AdaptedItem) -> Self {
         let of = |pin: &str| table.values.get(pin).map(|value| *value as u32);
         Self {
-            modality: "3d".to_owned(),
+            modality: match adapted {
+                AdaptedItem::Layers(_) => "3d".to_owned(),
+                AdaptedItem::Flat { entry, .. } => entry.modality.clone(),
+            },
             by: "aqos",
             loa: of(LAYERS),
             zones: zones(adapted),
@@ -94,7 +97,6 @@ impl DecisionReport {
     pub fn of_choice(decided: &ItemDecision, adapted: &AdaptedItem) -> Self {
         let decision = &decided.decision;
         let body = decided.chosen(PartKind::BodyMotion);
-        let budget = decision.request.budget.bytes;
         Self {
             modality: decision.modality.clone(),
             by: "joint choice",
@@ -109,7 +111,7 @@ impl DecisionReport {
                 .chosen(PartKind::Texture)
                 .map(|option| option.name.clone()),
             error_px: decision.error_px.is_finite().then_some(decision.error_px),
-            bytes_allowed: (budget < Budget::UNBOUNDED).then_some(budget + decided.bytes_always),
+            bytes_allowed: decided.bytes_allowed,
             pixels_per_metre: Some(decision.request.pixels_per_metre),
             network_ratio: decided.network_ratio,
             bounds: words(&decision.bounds),

@@ -4,10 +4,11 @@ use super::check;
 use super::governed::{Governed, numbers_of_regions};
 use super::manifest::{Manifest, VERSION};
 use super::name::check_name;
-use super::part::{ItemLayer, ItemPart};
+use super::part::{ItemLayer, ItemPart, PartKind};
 use super::sent::FileEntry;
 use crate::clip_streams::unit_tree;
 use crate::error::{Context, Error, Result};
+use crate::open::choose;
 use articula_formats::{Limits, Resolver};
 use articula_stream::{Cut, StreamLimits, Unit, cut, read_index, write_index};
 use std::collections::BTreeMap;
@@ -110,6 +111,13 @@ impl Item {
         sent.fold(0, u64::saturating_add)
     }
 
+    /// Bytes of all these files but the forms in 2D, as they are sent.
+    pub fn sent_bytes_of_layers(&self) -> u64 {
+        let forms = self.manifest.flat.iter();
+        let forms: u64 = forms.map(|form| self.manifest.sent_bytes(&form.file)).sum();
+        self.sent_bytes().saturating_sub(forms)
+    }
+
     /// Bytes of the unit indices.
     pub fn index_bytes(&self) -> u64 {
         let indices = self.manifest.parts.iter().filter_map(|p| p.index.as_ref());
@@ -176,6 +184,31 @@ impl Item {
         made.described()
     }
 
+    /// Returns the item with the motions of these names alone, of the body and of the face; with all of
+    /// them without names.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] with the names that there are, if one does not exist.
+    pub fn with_clips(&self, names: &[String]) -> Result<Self> {
+        let mut made = self.clone();
+        if names.is_empty() {
+            return Ok(made);
+        }
+        let is_motion =
+            |part: &&ItemPart| matches!(part.kind, PartKind::BodyMotion | PartKind::FaceMotion);
+        let motions = || self.manifest.parts.iter().filter(is_motion);
+        for name in names {
+            choose("clip", name, motions().map(|part| part.name.as_str()))?;
+        }
+        let others = motions().filter(|part| !names.contains(&part.name));
+        for file in others.flat_map(|part| part.file.iter().chain(&part.index)) {
+            made.files.remove(file);
+        }
+        let stays = |part: &ItemPart| !is_motion(&part) || names.contains(&part.name);
+        made.manifest.parts.retain(stays);
+        Ok(made.described())
+    }
+
     /// Returns the item without some units of its streams, whatever layers they belong to, such as those
     /// of regions that nobody wants. The bytes of layers follow; their errors stay, and so do not count
     /// what is left out.
@@ -195,7 +228,7 @@ impl Item {
             if cut.bytes.len() == stream.len() {
                 continue;
             }
-            let left = numbers_of_regions(&cut.unit);
+            let left = numbers_of_regions(part.kind, &cut.unit);
             part.regions.retain(|region| left.contains(&region.number));
             part.charge(&cut.unit, cut.bytes.len());
             made.files.insert(index, write_index(&cut.unit));

@@ -1,85 +1,198 @@
-//! 2D forms of an item: an animated picture of the first packaged clip, and a still.
+//! 2D forms of an item: an animated picture of the first packaged clip, and a still, both small enough
+//! to stand for a character that is too large to send.
+//!
+//! Both are seen by one camera, which has all of the clip in view.
 
 use super::files::NewFiles;
 use super::manifest::FlatEntry;
 use super::name::Names;
 use super::options::PackageOptions;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::figure::Figure;
 use crate::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
 use crate::work::Executor;
 use articula_core::{Clip, Viewport};
-use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
+use articula_flat::flatten::{Flattened, PrepareClipOptions, Profile, Quality, Settings};
 
 /// Frames per second of the animated picture.
 const FPS: f32 = 12.0;
-/// Fewest triangles of a form.
-const LEAST: usize = 600;
+/// Triangles of a form, and the fewest.
+const TRIANGLES: usize = 600;
+const FEWEST: usize = 50;
 /// Intervals of a clip between the moments at which a still is compared with it.
 const COMPARED: u32 = 32;
+/// Most bytes of the animated picture and of the still as they are sent, compressed.
+const MOST_MOVING: u64 = 25_000;
+const MOST_STILL: u64 = 12_000;
+/// Times that a form is made with less until it is small enough.
+const ATTEMPTS: usize = 6;
+/// Compression is worse for a smaller file: a share that is aimed at.
+const AIM: f64 = 0.95;
+/// How many times as many bytes as allowed an animated picture may have before coarser tolerances.
+const SAVED: f64 = 2.0;
 
-/// Makes the forms of a character with this clip, if any.
-pub(super) fn entries(
+/// The forms, and what could not be made.
+#[derive(Debug, Default)]
+pub(super) struct Forms {
+    pub(super) entries: Vec<FlatEntry>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// Makes the forms of a character with this clip, if any. A form that cannot be made is left out, with a
+/// warning.
+///
+/// # Errors
+/// [`Error::Cancelled`], and names that two files of the item have.
+pub(super) fn forms(
     figure: &Figure,
     clip: Option<usize>,
     options: &PackageOptions,
     files: &mut NewFiles,
     work: &Executor<'_>,
-) -> Result<Vec<FlatEntry>> {
-    let still = Profile::Still {
-        frame: 0,
-        exact: false,
+) -> Result<Forms> {
+    let maker = Maker {
+        figure,
+        clip,
+        options,
+        work,
     };
-    let mut forms = vec![(still, true)];
-    if clip.is_some() {
-        forms.insert(0, (Profile::Smil, false));
-    }
+    let mut forms = Forms::default();
+    let framed = maker.framed();
+    let made = framed.and_then(|framed| {
+        let moving = clip.map(|_| maker.moving(&framed));
+        Ok((moving, maker.still(&framed)))
+    });
+    let (moving, still) = match made {
+        Ok((moving, still)) => (moving, still),
+        Err(error) => (None, Err(error)),
+    };
     let mut names = Names::default();
-    let mut entries = Vec::with_capacity(forms.len());
-    for (profile, is_still) in forms {
+    for (made, what) in moving
+        .map(|made| (made, "animated picture"))
+        .into_iter()
+        .chain([(still, "still")])
+    {
+        match made {
+            Ok((entry, bytes)) => {
+                let stem = names.stem("2d", entry.clip.as_deref().unwrap_or("still"), "moving");
+                let file = format!("2d/{stem}.svg");
+                forms.entries.push(FlatEntry {
+                    bytes: files.put(&file, bytes)?,
+                    file,
+                    ..entry
+                });
+            }
+            Err(Error::Cancelled) => return Err(Error::Cancelled),
+            Err(error) => forms.warnings.push(format!("2D: no {what}: {error}")),
+        }
+    }
+    Ok(forms)
+}
+
+/// An entry without the name of its file, and the bytes of the file.
+type Form = (FlatEntry, Vec<u8>);
+
+/// What all forms are made from.
+struct Maker<'a> {
+    figure: &'a Figure,
+    clip: Option<usize>,
+    options: &'a PackageOptions,
+    work: &'a Executor<'a>,
+}
+
+impl<'a> Maker<'a> {
+    /// The character, seen by a camera that has all of the clip in view.
+    fn framed(&self) -> Result<FramedCharacter<'a>> {
         let shot = Shot {
-            clip,
-            still_at: is_still.then_some(0.0),
+            clip: self.clip,
+            still_at: None,
             cycles: 1,
             fps: FPS,
             yaw_deg: 0.0,
             pitch_deg: 0.0,
             turn_deg: 0.0,
             viewport: Viewport {
-                width_px: options.flat_px as f32,
-                height_px: options.flat_px as f32,
-                ..options.viewport
+                width_px: self.options.flat_px as f32,
+                height_px: self.options.flat_px as f32,
+                ..self.options.viewport
             },
-            triangles: TriangleCount::Judged { least: LEAST },
+            triangles: TriangleCount::About(TRIANGLES),
         };
-        let of_clip = clip.map(|clip| figure.asset.clips[clip].name.clone());
-        let title = of_clip.clone().unwrap_or_else(|| "still".to_owned());
-        let framed = FramedCharacter::new(figure, shot, work)?;
-        let settings = Settings {
+        FramedCharacter::new(self.figure, shot, self.work)
+    }
+
+    fn moving(&self, framed: &FramedCharacter<'a>) -> Result<Form> {
+        let made = self.within(framed.clone(), Profile::Smil, MOST_MOVING)?;
+        let clip = self.of_clip().map(|clip| clip.name.clone());
+        Ok(self.entry(made, clip, 0.0))
+    }
+
+    fn still(&self, framed: &FramedCharacter<'a>) -> Result<Form> {
+        let profile = Profile::Still {
+            frame: 0,
+            exact: false,
+        };
+        let moved = self.of_clip().map(|clip| motion_px(framed, clip));
+        let made = self.within(framed.still(0.0), profile, MOST_STILL)?;
+        Ok(self.entry(made, None, moved.transpose()?.unwrap_or(0.0)))
+    }
+
+    fn of_clip(&self) -> Option<&'a Clip> {
+        self.clip.map(|clip| &self.figure.asset.clips[clip])
+    }
+
+    /// A form whose bytes as sent are at most these, or the smallest that was found: with fewer
+    /// triangles and coarser tolerances from attempt to attempt.
+    fn within(
+        &self,
+        mut framed: FramedCharacter<'a>,
+        profile: Profile,
+        most: u64,
+    ) -> Result<Flattened> {
+        let mut settings = Settings {
             profile,
             quality: Quality::of(profile),
-            name: title.clone(),
+            name: self.of_clip().map_or("still", |clip| &clip.name).to_owned(),
             max_bytes: None,
         };
-        let made = flatten(&framed, PrepareClipOptions::default(), &settings, work)?;
-        let shows = made.representation();
-        let still_px = match clip.filter(|_| is_still) {
-            Some(clip) => motion_px(&framed, &figure.asset.clips[clip])?,
-            None => 0.0,
+        let flat = |framed: &FramedCharacter<'a>, settings: &Settings| {
+            flatten(framed, PrepareClipOptions::default(), settings, self.work)
         };
-        let wanted = if is_still { "still" } else { &title };
-        let file = format!("2d/{}.svg", names.stem("2d", wanted, "moving"));
-        entries.push(FlatEntry {
-            modality: shows.modality,
-            bytes: files.put(&file, made.bytes)?,
-            file,
-            error_px: shows.error_px + still_px,
-            size_px: [options.flat_px; 2],
-            clip: of_clip.filter(|_| !is_still),
-            needs: shows.needs.iter().map(|need| (*need).to_owned()).collect(),
-        });
+        let mut made = flat(&framed, &settings)?;
+        for _ in 0..ATTEMPTS {
+            let (raw, sent) = (made.sizes.raw as f64, made.sizes.brotli);
+            let share = most as f64 / sent.max(1) as f64;
+            if share >= 1.0 {
+                break;
+            }
+            settings.max_bytes = Some((AIM * raw * share) as u64);
+            // Coarser tolerances save about a half, fewer triangles the rest.
+            let tolerances = if made.frames > 1 { SAVED } else { 1.0 };
+            let triangles = made.triangles_drawn as f64;
+            let wanted = (triangles * (AIM * share * tolerances).min(1.0)) as usize;
+            framed = framed.with_triangles(wanted.max(FEWEST))?;
+            let next = flat(&framed, &settings)?;
+            if next.sizes.brotli >= sent {
+                break;
+            }
+            made = next;
+        }
+        Ok(made)
     }
-    Ok(entries)
+
+    fn entry(&self, made: Flattened, clip: Option<String>, moved_px: f64) -> Form {
+        let shows = made.representation();
+        let entry = FlatEntry {
+            modality: shows.modality,
+            file: String::new(),
+            bytes: 0,
+            error_px: shows.error_px + moved_px,
+            size_px: [self.options.flat_px; 2],
+            clip,
+            needs: shows.needs.iter().map(|need| (*need).to_owned()).collect(),
+        };
+        (entry, made.bytes)
+    }
 }
 
 /// The greatest distance on the screen of a point of a moving character from its place in the first

@@ -1,6 +1,6 @@
 //! Which units of a stream belong to which layers of a part.
 
-use super::part::{ItemLayer, ItemPart};
+use super::part::{ItemLayer, ItemPart, PartKind};
 use articula_stream::Unit;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -122,11 +122,16 @@ fn between(mut others: Vec<Range<u64>>, end: u64) -> Vec<Range<u64>> {
     found
 }
 
-/// Numbers of the regions that units of a stream have.
-pub(super) fn numbers_of_regions(unit: &Unit) -> BTreeSet<u32> {
+/// Numbers of the regions that units of the stream of a part have. A motion of the body may have units
+/// of the face too, whose regions are numbered apart.
+pub(super) fn numbers_of_regions(kind: PartKind, unit: &Unit) -> BTreeSet<u32> {
+    let of_face = |unit: &Unit| match kind {
+        PartKind::FaceMotion => unit.marker("face_region"),
+        _ => None,
+    };
     let mut numbers = BTreeSet::new();
     unit.visit(&mut |unit| {
-        numbers.extend(unit.marker("region").or_else(|| unit.marker("face_region")));
+        numbers.extend(unit.marker("region").or_else(|| of_face(unit)));
     });
     numbers
 }

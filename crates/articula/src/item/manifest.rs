@@ -56,6 +56,9 @@ pub struct FigureEntry {
     pub vertices: u64,
     /// Number of triangles of the packaged meshes.
     pub triangles: u64,
+    /// Most morph targets that a vertex has.
+    #[serde(default)]
+    pub morph_targets: u64,
     /// Longest side of the bounding box at rest in metres.
     pub size_m: f64,
 }

@@ -46,11 +46,19 @@ pub(super) fn part(
             unit.marker("region") != Some(u32::from(*region))
         })?);
     }
+    let faces = face_levels(&head);
+    for finest in &faces {
+        cuts.push(kept(&coded, |unit| {
+            unit.marker("face_loa")
+                .is_none_or(|l| l <= u32::from(*finest))
+        })?);
+    }
     let (rig, name) = (&figure.asset.rig, figure.opened.name());
     let decoded = |bytes: &Vec<u8>| decode(bytes, rig, name, &Limits::default());
     let clips: Vec<Clip> = cuts.iter().map(decoded).collect::<Result<_>>()?;
     let (errors, frames) = measured(&figure.asset, truth, &clips, work)?;
-    let (of_grid, of_regions) = errors[1..].split_at(grid.len());
+    let (of_grid, without) = errors[1..].split_at(grid.len());
+    let (of_regions, of_faces) = without.split_at(regions.len());
 
     let mut layers: Vec<ItemLayer> = Vec::with_capacity(grid.len());
     for (i, ((loa, tier), error)) in grid.iter().zip(of_grid).enumerate() {
@@ -64,8 +72,14 @@ pub(super) fn part(
             ..ItemLayer::default()
         });
     }
-    let without = cuts[1 + grid.len()..].iter().zip(of_regions);
+    let (without_regions, without_faces) = cuts[1 + grid.len()..].split_at(regions.len());
+    let without = without_regions.iter().zip(of_regions);
     let regions = region_entries(false, &regions, without);
+    let face_levels = faces.into_iter().zip(without_faces.iter().zip(of_faces));
+    let face_levels = face_levels.map(|(finest, without)| RegionEntry {
+        name: format!("face above level {finest}"),
+        ..region_entry(finest, without)
+    });
     let file = format!("clips/{stem}.abp");
     let mut part = ItemPart {
         base_error_m: Some(errors[0].max_metres),
@@ -74,6 +88,7 @@ pub(super) fn part(
         frames_measured: Some(frames as u64),
         layers,
         regions,
+        face_levels: face_levels.collect(),
         ..ItemPart::new(&truth.name, PartKind::BodyMotion)
     };
     part.put_stream(&file, coded.bytes, &coded.unit, files)?;
@@ -93,13 +108,27 @@ pub(super) fn region_entries<'a>(
     regions: &BTreeSet<u8>,
     without: impl Iterator<Item = (&'a Vec<u8>, &'a MotionError)>,
 ) -> Vec<RegionEntry> {
-    let entry = |(region, (bytes, error)): (&u8, (&Vec<u8>, &MotionError))| RegionEntry {
-        number: u32::from(*region),
+    let entry = |(region, without): (&u8, _)| RegionEntry {
         name: region_name(of_face, *region),
-        bytes_without: Some(bytes.len() as u64),
-        error_without_m: Some(error.max_metres),
+        ..region_entry(*region, without)
     };
     regions.iter().zip(without).map(entry).collect()
+}
+
+/// An entry without a name.
+fn region_entry(number: u8, (bytes, error): (&Vec<u8>, &MotionError)) -> RegionEntry {
+    RegionEntry {
+        number: u32::from(number),
+        name: String::new(),
+        bytes_without: Some(bytes.len() as u64),
+        error_without_m: Some(error.max_metres),
+    }
+}
+
+/// Levels of articulation of the face at which the morph targets of a motion can be cut.
+fn face_levels(head: &MotionHead) -> Vec<u8> {
+    let finest = head.morph_groups.iter().map(|group| group.loa).max();
+    (0..finest.unwrap_or(0)).collect()
 }
 
 /// Levels of articulation of the groups, coarsest first; 0 if the stream has morph targets alone.

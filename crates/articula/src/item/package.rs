@@ -1,6 +1,7 @@
 //! From a character to an item.
 
 use super::files::{Item, NewFiles};
+use super::flat::Forms;
 use super::manifest::{FORMAT, FigureEntry, Manifest, VERSION, WholeFile};
 use super::name::Names;
 use super::options::PackageOptions;
@@ -89,19 +90,21 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
     parts.extend(texture_part::parts(
         &figure, &stripped, options, &mut files, work,
     )?);
-    let flat = match options.flat && has_mesh {
-        true => flat::entries(&figure, clips.first().copied(), options, &mut files, work)?,
-        false => Vec::new(),
-    };
     let whole = carried(options, &mut files)?;
     let entry = FigureEntry {
         file: FIGURE.to_owned(),
         joints: figure.asset.rig.len() as u64,
         vertices: figure.asset.mesh.len() as u64,
         triangles: figure.asset.mesh.triangles.len() as u64,
+        morph_targets: figure.asset.mesh.morph_weights.len() as u64,
         size_m: size(&figure),
         bytes: files.put(FIGURE, stripped.glb)?,
     };
+    let forms = match options.flat && has_mesh {
+        true => flat::forms(&figure, clips.first().copied(), options, &mut files, work)?,
+        false => Forms::default(),
+    };
+    warnings.extend(forms.warnings);
     let mut manifest = Manifest {
         format: FORMAT.to_owned(),
         version: VERSION,
@@ -109,7 +112,7 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         name: title,
         figure: entry,
         parts,
-        flat,
+        flat: forms.entries,
         whole,
         files: BTreeMap::new(),
         warnings,

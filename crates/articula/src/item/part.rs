@@ -60,6 +60,14 @@ pub struct ItemPart {
     /// Names of the regions of layers, by the numbers of the marker `region`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub regions: Vec<RegionEntry>,
+    /// Of a motion of the body with morph targets of the face: the stream without levels of articulation
+    /// of the face above `number`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub face_levels: Vec<RegionEntry>,
+    /// Regions of a motion that were cut away, all or in part. The errors of layers do not count them:
+    /// they are added ([`ItemPart::left_out_m`]).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<RegionEntry>,
 }
 
 /// What a part holds beyond other layers of it.
@@ -182,6 +190,8 @@ impl ItemPart {
             layers: Vec::new(),
             levels: Vec::new(),
             regions: Vec::new(),
+            face_levels: Vec::new(),
+            left_out: Vec::new(),
         }
     }
 
@@ -210,6 +220,16 @@ impl ItemPart {
             }
         }
         kept
+    }
+
+    /// Bound in metres of the error that regions which were cut away add to that of any layers.
+    ///
+    /// A chain of joints is compared region by region, from the root on: what lies above is moved
+    /// rigidly, what lies below is as it should be, so each region adds at most its own error.
+    pub fn left_out_m(&self) -> f64 {
+        let held = self.base_error_m.unwrap_or(0.0);
+        let errors = self.left_out.iter();
+        errors.map(|r| r.error_without_m.unwrap_or(held)).sum()
     }
 
     /// Error in metres with all layers: of a mesh that of its finest level, since each of its layers is

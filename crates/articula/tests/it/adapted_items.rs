@@ -88,7 +88,7 @@ fn every_budget_is_kept_and_the_stated_error_bounds_what_is_shown() {
         return;
     };
     let options = AdaptOptions::default();
-    let whole = item.without_flat().bytes() as f64;
+    let whole = item.sent_bytes_of_layers() as f64;
     let mut errors = Vec::new();
     for share in [2.0, 0.97, 0.94, 0.9, 0.86] {
         // The window is two seconds.
@@ -99,12 +99,12 @@ fn every_budget_is_kept_and_the_stated_error_bounds_what_is_shown() {
         let adapted = layers(adapt(item, decision.cut.as_ref().unwrap()).unwrap());
         let allowed = whole * share;
         assert!(
-            adapted.bytes() as f64 <= allowed,
+            adapted.sent_bytes() as f64 <= allowed,
             "{} of {allowed}",
-            adapted.bytes()
+            adapted.sent_bytes()
         );
         assert_eq!(
-            adapted.bytes(),
+            adapted.sent_bytes(),
             decision.decision.bytes + decision.bytes_always
         );
         // Textures have no place here: of the others the error is one of metres.
@@ -120,8 +120,8 @@ fn every_budget_is_kept_and_the_stated_error_bounds_what_is_shown() {
         assert_eq!(
             adapt(&adapted, again.cut.as_ref().unwrap())
                 .unwrap()
-                .bytes(),
-            adapted.bytes()
+                .sent_bytes(),
+            adapted.sent_bytes()
         );
     }
     assert!(errors.len() >= 3, "{errors:?}");
@@ -149,7 +149,7 @@ fn indices_and_descriptions_cut_to_the_same_bytes() {
         context.preferences.body_loa = loa;
         context.preferences.body_regions = regions;
         let options = AdaptOptions {
-            max_bytes: bytes.map(|share| (share * item.without_flat().bytes() as f64) as u64),
+            max_bytes: bytes.map(|share| (share * item.sent_bytes_of_layers() as f64) as u64),
             ..AdaptOptions::default()
         };
         let decision = decide(item, &context, &options).unwrap();
@@ -223,15 +223,19 @@ fn tables_decide_as_the_thesis_does() {
         .write();
     let table = Aqos::read(written.as_bytes(), &limits).unwrap();
     let bytes = |rate: f64, table: &Aqos| {
-        let (_, cut) = decide_by_table(item, table, &at(rate)).unwrap();
-        adapt(item, &cut).unwrap().bytes()
+        let (_, cut) = decide_by_table(item, table, &at(rate), &AdaptOptions::default()).unwrap();
+        adapt(item, &cut).unwrap().sent_bytes()
     };
     let sizes = [30e3, 200e3, 10e6, 1e9].map(|rate| bytes(rate, &table));
     assert!(sizes.is_sorted() && sizes[0] < sizes[3], "{sizes:?}");
-    assert_eq!(sizes[3], item.without_flat().bytes());
+    assert_eq!(sizes[3], item.sent_bytes_of_layers());
     // One level for each bandwidth, as in annex B.
     let thesis = Aqos::one_to_one(&[0.0, 100e3, 200e3, 400e3]);
-    let (decided, cut) = decide_by_table(item, &thesis, &at(250e3)).unwrap();
+    let options = AdaptOptions {
+        wait_secs: 100.0,
+        ..AdaptOptions::default()
+    };
+    let (decided, cut) = decide_by_table(item, &thesis, &at(250e3), &options).unwrap();
     assert!(
         decided
             .reasons
@@ -246,7 +250,7 @@ fn tables_decide_as_the_thesis_does() {
         .find(|p| p.kind == PartKind::BodyMotion)
         .unwrap();
     assert!(part.layers.iter().all(|layer| layer.keep["loa"] <= 2));
-    let refused = decide_by_table(item, &thesis, &Context::default()).unwrap_err();
+    let refused = decide_by_table(item, &thesis, &Context::default(), &options).unwrap_err();
     assert!(refused.to_string().contains("BANDWIDTH"), "{refused}");
 }
 
@@ -259,7 +263,7 @@ fn what_is_too_little_for_3d_gets_a_form_in_2d_or_an_error() {
         .manifest
         .flat
         .iter()
-        .map(|form| form.bytes)
+        .map(|form| item.manifest.sent_bytes(&form.file))
         .min()
         .unwrap();
     let options = |bytes| AdaptOptions {
@@ -267,12 +271,15 @@ fn what_is_too_little_for_3d_gets_a_form_in_2d_or_an_error() {
         ..AdaptOptions::default()
     };
     let decision = decide(item, &Context::default(), &options(least)).unwrap();
-    if least < item.manifest.figure.bytes {
+    if least < item.manifest.sent_bytes(&item.manifest.figure.file) {
         let adapted = adapt(item, decision.cut.as_ref().unwrap()).unwrap();
-        let AdaptedItem::Flat { entry, files } = adapted else {
+        let AdaptedItem::Flat {
+            files, sent_bytes, ..
+        } = adapted
+        else {
             panic!("expected a form in 2D");
         };
-        assert_eq!((entry.bytes, files.len()), (least, 1));
+        assert_eq!((sent_bytes, files.len()), (least, 1));
     }
     let nothing = decide(item, &Context::default(), &options(10)).unwrap();
     assert_eq!(

@@ -31,10 +31,12 @@ mod keys;
 mod mesh_levels;
 mod mp4;
 mod prepared;
+mod promised_errors;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod round_trips;
 mod shaders;
 mod short;
 mod streams;
+mod travelling_items;
 mod zero_poses;

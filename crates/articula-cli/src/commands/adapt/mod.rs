@@ -52,6 +52,9 @@ pub(crate) struct AdaptArgs {
     /// bandwidth
     #[arg(long, value_name = "F.xml", conflicts_with = "max_bytes")]
     aqos: Option<PathBuf>,
+    /// Name of a clip to send (repeatable) [default: all]
+    #[arg(long, value_name = "NAME")]
+    clip: Vec<String>,
     /// What cuts the streams; both give the same bytes
     #[arg(long, value_enum, default_value_t = Engine::Native)]
     engine: Engine,
@@ -97,7 +100,8 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
         max_texture_px: finest.texture_px,
         ..AdaptOptions::default()
     };
-    let item = console.files.open_item(&args.item, &Limits::default())?;
+    let whole = console.files.open_item(&args.item, &Limits::default())?;
+    let item = whole.with_clips(&args.clip)?;
     let start = Instant::now();
     let decided = args.decided(&item, &context, &options)?;
     let decided_secs = start.elapsed().as_secs_f64();
@@ -106,7 +110,7 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
     let cut_secs = start.elapsed().as_secs_f64();
     let report = AdaptReport::new(
         files::shown(&args.item),
-        (&item, &adapted),
+        (&whole, &adapted),
         &decided,
         args.engine,
         [decided_secs, cut_secs],
@@ -135,15 +139,18 @@ impl AdaptArgs {
         let limits = DescriptionLimits::default();
         let bytes = files::read(path, limits.bytes)?;
         let aqos = Aqos::read(&bytes, &limits).with_context(|| files::shown(path))?;
-        let by_table = decide_by_table(item, &aqos, context).with_context(|| files::shown(path))?;
+        let by_table =
+            decide_by_table(item, &aqos, context, options).with_context(|| files::shown(path))?;
         Ok(Decided::ByTable(by_table.0, by_table.1))
     }
 
     /// The cut item.
     fn adapted(&self, item: &Item, decided: &Decided) -> anyhow::Result<AdaptedItem> {
         let cut: &ItemCut = decided.cut().with_context(|| {
-            let what = "nothing of the item fits; allow more bytes, or more time by --wait-secs";
-            format!("{}: {what}", files::shown(&self.item))
+            let what = decided.least().unwrap_or_default();
+            let remedy = "allow more bytes, or more time by --wait-secs";
+            let item = files::shown(&self.item);
+            format!("{item}: nothing of the item fits{what}; {remedy}")
         })?;
         Ok(match self.engine {
             Engine::Native => adapt(item, cut)?,

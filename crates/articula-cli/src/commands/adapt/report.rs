@@ -26,6 +26,25 @@ impl Decided {
         }
     }
 
+    /// The least that would fit, in words.
+    pub(super) fn least(&self) -> Option<String> {
+        let Self::Jointly(decided) = self else {
+            return None;
+        };
+        let Some(bytes) = decided.least_bytes else {
+            let what =
+                "whatever its bytes: the time per frame, the memory or the client do not allow it";
+            return Some(format!(", {what}"));
+        };
+        let secs = decided
+            .least_secs
+            .map(|secs| format!(", {secs:.2} s at this bandwidth"));
+        Some(format!(
+            "; the least is {bytes} bytes{}",
+            secs.unwrap_or_default()
+        ))
+    }
+
     fn words(&self) -> String {
         match self {
             Self::Jointly(decided) => decided.decision.to_string(),
@@ -73,18 +92,21 @@ impl AdaptReport {
         engine: Engine,
         [decide_seconds, cut_seconds]: [f64; 2],
     ) -> Self {
-        let sent: Vec<(String, u64)> = match adapted {
-            AdaptedItem::Layers(item) => sizes(item.manifest.sizes()),
+        let out = |name: &str| match adapted {
+            AdaptedItem::Layers(cut) => cut.manifest.sent_bytes(name),
             AdaptedItem::Flat { files, .. } => {
-                let sizes = files.iter().map(|(n, b)| (n.clone(), b.len() as u64));
-                sizes.collect()
+                let is_sent = files.iter().any(|(file, _)| file == name);
+                if is_sent {
+                    item.manifest.sent_bytes(name)
+                } else {
+                    0
+                }
             }
         };
-        let out = |name: &str| sent.iter().find(|(n, _)| n == name).map_or(0, |(_, b)| *b);
         let streams = item.manifest.sizes().into_iter();
-        let streams = streams.map(|(name, bytes)| StreamReport {
+        let streams = streams.map(|(name, _)| StreamReport {
             name: name.to_owned(),
-            bytes_in: bytes,
+            bytes_in: item.manifest.sent_bytes(name),
             bytes_out: out(name),
         });
         Self {
@@ -98,8 +120,8 @@ impl AdaptReport {
                 Decided::ByTable(table, _) => DecisionReport::of_table(table, adapted),
             },
             streams: streams.collect(),
-            bytes_in: item.bytes(),
-            bytes_out: adapted.bytes(),
+            bytes_in: item.sent_bytes(),
+            bytes_out: adapted.sent_bytes(),
             joints: joints(adapted),
             seconds: decide_seconds + cut_seconds,
             decide_seconds,
@@ -131,10 +153,6 @@ impl AdaptReport {
         ));
         text
     }
-}
-
-fn sizes(files: Vec<(&str, u64)>) -> Vec<(String, u64)> {
-    files.into_iter().map(|(n, b)| (n.to_owned(), b)).collect()
 }
 
 /// Joints that the motions of an adapted item move at most.

@@ -28,8 +28,8 @@ pub(super) fn write(items: &[Packaged], page: &mut String) -> Result<()> {
             "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
             packaged.case.name,
             packaged.source_bytes,
-            packaged.item.without_flat().bytes(),
-            manifest.figure.bytes,
+            packaged.item.sent_bytes_of_layers(),
+            manifest.sent_bytes(&manifest.figure.file),
             bytes(PartKind::Mesh),
             bytes(PartKind::BodyMotion),
             bytes(PartKind::FaceMotion),
@@ -171,7 +171,7 @@ fn pose_us(figure: &Figure, clip: usize) -> f64 {
 const ITEMS: &str = "
 ## Items
 
-Bytes. *Item*: all that is sent for 3D, without manifest, unit indices and forms in 2D. *Index*: the unit indices, which a server
+Bytes as sent. *Item*: all that is sent for 3D, without manifest, unit indices and forms in 2D. *Index*: the unit indices, which a server
 keeps. The figure has joints, skins, materials and the names of morph targets.
 
 | item | source file | item | figure | meshes | motions | faces | textures | index |

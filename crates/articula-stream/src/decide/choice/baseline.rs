@@ -26,8 +26,7 @@ pub fn cut_one(
     for option in 0..cut.options.len() {
         options[which] = option;
         let choice = summed(parts, &options, request, 0.0, false);
-        let fits =
-            choice.bytes <= request.budget.bytes && choice.frame_ns <= request.budget.frame_ns;
+        let fits = choice.fits(&request.budget);
         let better = |old: &Choice| choice.error_px < old.error_px;
         if fits && best.as_ref().is_none_or(better) {
             best = Some(choice);
@@ -72,8 +71,7 @@ pub fn cut_equally(parts: &[Part], request: &ChoiceRequest) -> Result<Option<Cho
         }
     }
     let choice = summed(parts, &options, request, 0.0, false);
-    let fits = choice.bytes <= request.budget.bytes && choice.frame_ns <= request.budget.frame_ns;
-    Ok(fits.then_some(choice))
+    Ok(Some(choice).filter(|choice| choice.fits(&request.budget)))
 }
 
 /// The option of least error, of equal ones the one of fewest bytes.

@@ -25,8 +25,7 @@ pub fn choose_exhaustively(
     let mut options = vec![0; parts.len()];
     loop {
         let choice = summed(parts, &options, request, 0.0, false);
-        let fits =
-            choice.bytes <= request.budget.bytes && choice.frame_ns <= request.budget.frame_ns;
+        let fits = choice.fits(&request.budget);
         if fits
             && best
                 .as_ref()

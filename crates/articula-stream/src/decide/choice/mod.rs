@@ -3,12 +3,13 @@
 //! Source: thesis 7.2.1 (animation and representation adapted in harmony). Method, and the proof of
 //! the bound: `docs/methods/adaptation.md` part 3. Steps: prices of the two budgets ([`dual`]), greedy
 //! choice along hulls ([`greedy`]), changes of one or two parts ([`polish`]), branch and bound
-//! ([`search`]).
+//! ([`search`]). Memory is kept by leaving out options ([`memory`]).
 
 mod baseline;
 mod dual;
 mod exhaustive;
 mod greedy;
+mod memory;
 mod polish;
 mod problem;
 mod search;
@@ -29,6 +30,8 @@ pub struct Budget {
     pub bytes: u64,
     /// Time per frame, nanoseconds.
     pub frame_ns: u64,
+    /// Bytes of memory for what is decoded.
+    pub memory_bytes: u64,
 }
 
 impl Budget {
@@ -82,6 +85,8 @@ pub struct Choice {
     pub bytes: u64,
     /// Time per frame, nanoseconds.
     pub frame_ns: u64,
+    /// Bytes of memory for what is decoded.
+    pub memory_bytes: u64,
     /// Sum of the errors of the parts times their weights, pixels. With weights of 1 no point of the
     /// skin, and no feature of its texture, is farther from its place.
     pub error_px: f64,
@@ -90,6 +95,15 @@ pub struct Choice {
     pub bound_px: f64,
     /// Whether the error is below `enough_px` and bytes were saved instead.
     pub is_enough: bool,
+}
+
+impl Choice {
+    /// Whether it keeps a budget.
+    fn fits(&self, budget: &Budget) -> bool {
+        self.bytes <= budget.bytes
+            && self.frame_ns <= budget.frame_ns
+            && self.memory_bytes <= budget.memory_bytes
+    }
 }
 
 /// Chooses one option for each part, with the least sum of weighted errors within the budget; `None`
@@ -109,7 +123,7 @@ pub struct Choice {
 ///     Part::new("mesh", PartKind::Mesh, vec![option(2000, 0.020), option(9000, 0.002)]),
 /// ];
 /// let request = ChoiceRequest {
-///     budget: Budget { bytes: 10_000, frame_ns: 1_000_000 },
+///     budget: Budget { bytes: 10_000, frame_ns: 1_000_000, memory_bytes: Budget::UNBOUNDED },
 ///     window_secs: 2.0,
 ///     pixels_per_metre: 100.0,
 ///     enough_px: 0.0,
@@ -134,6 +148,16 @@ pub fn choose(parts: &[Part], request: &ChoiceRequest) -> Result<Option<Choice>,
 
 /// The same among some options of each part; parts and request are checked.
 pub(super) fn choose_among(
+    parts: &[Part],
+    allowed: &[Vec<usize>],
+    request: &ChoiceRequest,
+) -> Option<Choice> {
+    let choose = |allowed: &[Vec<usize>]| choose_by_bytes_and_time(parts, allowed, request);
+    memory::within(parts, allowed, request.budget.memory_bytes, &choose)
+}
+
+/// The same, however much memory that takes.
+fn choose_by_bytes_and_time(
     parts: &[Part],
     allowed: &[Vec<usize>],
     request: &ChoiceRequest,
@@ -232,6 +256,7 @@ pub(super) fn summed(
         options: options.to_vec(),
         bytes: 0,
         frame_ns: 0,
+        memory_bytes: 0,
         error_px: 0.0,
         bound_px,
         is_enough,
@@ -240,6 +265,7 @@ pub(super) fn summed(
         let option = &part.options[*option];
         choice.bytes += option.bytes(request.window_secs, part.held_bytes);
         choice.frame_ns += option.frame_ns;
+        choice.memory_bytes += option.memory_bytes;
         choice.error_px += part.weight * option.pixels(request.pixels_per_metre);
     }
     choice.bound_px = bound_px.min(choice.error_px);

@@ -73,6 +73,7 @@ fn case(counts: &[usize], chain: bool, seed: u64) -> (Vec<Part>, ChoiceRequest) 
         budget: Budget {
             bytes: between(sum(&|p| least(bytes(p))), sum(&|p| most(bytes(p))), 0.0),
             frame_ns: between(sum(&|p| least(times(p))), sum(&|p| most(times(p))), 0.1),
+            memory_bytes: Budget::UNBOUNDED,
         },
         window_secs,
         pixels_per_metre: 100.0,
@@ -108,7 +109,11 @@ fn a_choice_by_hand() {
     ];
     let of = |bytes: u64| {
         let request = ChoiceRequest {
-            budget: Budget { bytes, frame_ns: 0 },
+            budget: Budget {
+                bytes,
+                frame_ns: 0,
+                memory_bytes: Budget::UNBOUNDED,
+            },
             window_secs: 1.0,
             pixels_per_metre: 1.0,
             enough_px: 0.0,

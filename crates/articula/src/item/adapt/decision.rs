@@ -2,11 +2,12 @@
 
 use super::cut::ItemCut;
 use super::options::AdaptOptions;
-use super::parts::ItemParts;
+use super::parts::{ItemParts, Scope};
 use super::regions::Regions;
 use crate::clip_streams::StreamKind;
 use crate::error::{Error, Result};
 use crate::item::files::Item;
+use crate::item::manifest::FlatEntry;
 use crate::item::part::PartKind as ItemKind;
 use articula_stream::decide::{
     self, Assumptions, Budget, ChoiceRequest, Decision, DecisionRequest, NetworkShare, Outcome,
@@ -33,6 +34,13 @@ pub struct ItemDecision {
     pub cut: Option<ItemCut>,
     /// Bytes that are sent whatever is chosen: the figure, and files that are carried whole.
     pub bytes_always: u64,
+    /// Bytes that may be sent in all; `None` without a bound.
+    pub bytes_allowed: Option<u64>,
+    /// If nothing fits: the fewest bytes that would, figure and carried files included; `None` if it is
+    /// not the bytes that prevent it.
+    pub least_bytes: Option<u64>,
+    /// The time that these take at the bandwidth of the context, seconds.
+    pub least_secs: Option<f64>,
     /// Share of the item that the network carries in the time, 0 to 1 (`R_A` of the thesis); `None`
     /// without a bandwidth.
     pub network_ratio: Option<f64>,
@@ -48,6 +56,16 @@ impl ItemDecision {
         let option = *choice.options.get(index)?;
         self.parts.parts[index].options.get(option)
     }
+
+    /// Returns whether the chosen option of the first part of a kind keeps a layer.
+    pub(super) fn moves(&self, kind: PartKind) -> bool {
+        let Outcome::Parts(choice) = &self.decision.outcome else {
+            return false;
+        };
+        let index = self.parts.parts.iter().position(|p| p.kind == kind);
+        let layers = index.and_then(|i| self.parts.layers[i].get(*choice.options.get(i)?));
+        layers.is_some_and(|layers| layers.iter().any(|(_, kept)| kept.contains(&true)))
+    }
 }
 
 /// Decides what of an item is sent in a context: the least visible error for the bytes and the time
@@ -55,6 +73,7 @@ impl ItemDecision {
 ///
 /// - Bytes: the bandwidth times [`AdaptOptions::wait_secs`], at most [`AdaptOptions::max_bytes`].
 /// - Time: `frame_budget_ms` of the terminal, with its speeds; what it does not tell costs nothing.
+/// - Memory: `memory_bytes` of the terminal, for decoded meshes, textures and clips.
 /// - Errors are compared in pixels at the distance of the view (3.5 m if unknown) on the display of
 ///   the terminal (1280 x 720 at 45 degrees if unknown). An error up to `tolerance_px` (1 if a
 ///   distance is known, else 0) is not seen, so bytes are saved instead.
@@ -64,6 +83,16 @@ impl ItemDecision {
 /// An [`Error`] that names a value of the context or option out of its bounds, or an index that does
 /// not belong to its stream.
 pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<ItemDecision> {
+    decide_among(item, context, options, Scope::default())
+}
+
+/// The same among some options of each part.
+pub(super) fn decide_among(
+    item: &Item,
+    context: &Context,
+    options: &AdaptOptions,
+    scope: Scope<'_>,
+) -> Result<ItemDecision> {
     context.check()?;
     if !(options.wait_secs > 0.0 && options.wait_secs.is_finite()) {
         let what = format!("wait_secs: found {}, expected above 0", options.wait_secs);
@@ -80,10 +109,12 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
         ..Assumptions::default()
     };
     let mut request = ChoiceRequest::of_context(context, &assumed);
-    let mut parts = ItemParts::of(item, context, options, request.pixels_per_metre);
+    let mut parts = ItemParts::of(item, context, options, request.pixels_per_metre, scope);
     weigh_parts(&mut parts.parts, context);
-    let whole: u64 = item.manifest.whole.iter().map(|file| file.bytes).sum();
-    let bytes_always = item.manifest.figure.bytes + whole;
+    let sent_bytes = |file: &String| item.manifest.sent_bytes(file);
+    let carried = item.manifest.whole.iter().map(|file| &file.file);
+    let whole: u64 = carried.map(sent_bytes).sum();
+    let bytes_always = sent_bytes(&item.manifest.figure.file) + whole;
     let allowed = request
         .budget
         .bytes
@@ -99,7 +130,7 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
     let network = context.network.usable_bps().map(|bps| NetworkShare {
         bits_per_second: bps,
         window_secs: options.wait_secs,
-        content_bits: 8.0 * item.without_flat().bytes() as f64,
+        content_bits: 8.0 * item.sent_bytes_of_layers() as f64,
     });
     let terminal = &context.terminal;
     let representations: Vec<Representation> = representations(item, allowed, whole);
@@ -123,7 +154,11 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
         modality: wanted_modality(context),
     })?;
     if let Outcome::Representation(form) = decision.outcome {
-        decision.bytes = item.manifest.flat[form].bytes;
+        decision.bytes = sent_bytes(&item.manifest.flat[form].file);
+    }
+    if !matches!(decision.outcome, Outcome::Parts(_)) && allowed < UNBOUNDED {
+        // Without 3D there is no figure.
+        decision.request.budget.bytes = allowed.saturating_sub(whole);
     }
     let cut = match &decision.outcome {
         Outcome::Nothing => None,
@@ -133,23 +168,47 @@ pub fn decide(item: &Item, context: &Context, options: &AdaptOptions) -> Result<
             Some(ItemCut::Layers { kept, regions })
         }
     };
+    let least_bytes = match decision.outcome {
+        Outcome::Nothing => least_bytes(item, &decision, &capabilities, bytes_always),
+        _ => None,
+    };
+    let secs = |bytes: u64| Some(8.0 * bytes as f64 / context.network.usable_bps()?);
     Ok(ItemDecision {
+        least_secs: least_bytes.and_then(secs).filter(|secs| secs.is_finite()),
+        least_bytes,
         decision,
         parts,
         cut,
         bytes_always,
+        bytes_allowed: (allowed < UNBOUNDED).then_some(allowed),
         network_ratio: network.map(|n| n.ratio()),
     })
+}
+
+/// The fewest bytes of anything that the client shows.
+fn least_bytes(
+    item: &Item,
+    decision: &Decision,
+    capabilities: &[String],
+    bytes_always: u64,
+) -> Option<u64> {
+    let sent_bytes = |file: &String| item.manifest.sent_bytes(file);
+    let whole = bytes_always - sent_bytes(&item.manifest.figure.file);
+    let shown = |form: &&FlatEntry| form.needs.iter().all(|need| capabilities.contains(need));
+    let forms = item.manifest.flat.iter().filter(shown);
+    let forms = forms.map(|form| sent_bytes(&form.file).saturating_add(whole));
+    let parts = decision.least_bytes.map(|bytes| bytes + bytes_always);
+    forms.chain(parts).min()
 }
 
 /// The forms in 2D, of which none is too large that the bytes allow together with the files that are
 /// carried whole.
 fn representations(item: &Item, allowed: u64, whole: u64) -> Vec<Representation> {
     let forms = item.manifest.flat.iter();
-    let of = |form: &crate::item::FlatEntry| Representation {
+    let of = |form: &FlatEntry| Representation {
         modality: form.modality.clone(),
         // The budget of the choice has the figure taken off, which these do not need.
-        bytes: if form.bytes.saturating_add(whole) <= allowed {
+        bytes: if item.manifest.sent_bytes(&form.file).saturating_add(whole) <= allowed {
             0
         } else {
             u64::MAX

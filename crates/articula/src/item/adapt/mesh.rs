@@ -1,5 +1,6 @@
 //! Meshes of an item: a level for each region, where regions may differ.
 
+use super::memory;
 use super::option_of_part::OptionOfPart;
 use crate::item::part::{ItemLayer, ItemPart};
 use articula_stream::decide::PartOption;
@@ -16,13 +17,14 @@ struct Step {
     level: u32,
     error_m: f64,
     triangles: i64,
+    vertices: i64,
 }
 
 /// The options of a mesh, coarsest first.
 pub(super) fn options(
     index: usize,
     part: &ItemPart,
-    triangles_per_s: Option<f64>,
+    (triangles_per_s, targets): (Option<f64>, u64),
 ) -> Vec<OptionOfPart> {
     let level = |layer: &ItemLayer| layer.keep.get("level").copied().unwrap_or(0);
     let has_region = |layer: &&ItemLayer| layer.keep.contains_key("region");
@@ -34,7 +36,11 @@ pub(super) fn options(
     let ns_of_triangle = triangles_per_s
         .filter(|n| *n > 0.0)
         .map_or(0.0, |n| 1e9 / n);
-    let made = |name: String, level: u32, error_m: f64, triangles: u64, layers: &[usize]| {
+    let made = |name: String,
+                level: u32,
+                error_m: f64,
+                [triangles, vertices]: [u64; 2],
+                layers: &[usize]| {
         let kept = part.closure(layers);
         OptionOfPart {
             option: PartOption {
@@ -43,16 +49,20 @@ pub(super) fn options(
                 error_m,
                 bytes_once: part.bytes_of(&kept),
                 frame_ns: (triangles as f64 * ns_of_triangle).min(1e12) as u64,
+                memory_bytes: memory::mesh(vertices, triangles, targets).min(memory::MOST),
                 ..PartOption::default()
             },
             layers: vec![(index, kept)],
+            is_even: true,
         }
     };
     let triangles = |layer: &ItemLayer| layer.triangles.unwrap_or(0);
+    let vertices = |layer: &ItemLayer| layer.vertices.unwrap_or(0);
+    let counts = |layer: &ItemLayer| [triangles(layer), vertices(layer)];
     let mut options: Vec<OptionOfPart> = common
         .iter()
         .map(|i| (*i, &part.layers[*i]))
-        .map(|(i, l)| made(l.name.clone(), level(l), l.error_m, triangles(l), &[i]))
+        .map(|(i, l)| made(l.name.clone(), level(l), l.error_m, counts(l), &[i]))
         .collect();
     let Some(base) = common.last().map(|i| &part.layers[*i]) else {
         return options;
@@ -67,6 +77,7 @@ pub(super) fn options(
                 level: level(base),
                 error_m: base.error_m,
                 triangles: 0,
+                vertices: 0,
             }]
         });
         steps.push(Step {
@@ -75,6 +86,7 @@ pub(super) fn options(
             error_m: layer.error_alone_m.unwrap_or(layer.error_m),
             // All others are at the level that the layer builds on.
             triangles: triangles(layer) as i64 - triangles(base) as i64,
+            vertices: vertices(layer) as i64 - vertices(base) as i64,
         });
     }
     let names: BTreeMap<u32, &str> = part.regions.iter().map(|r| (r.number, &*r.name)).collect();
@@ -87,14 +99,20 @@ pub(super) fn options(
         let finest = steps.iter().map(|(_, s)| s.level).min();
         let error_m = steps.iter().map(|(_, s)| s.error_m).fold(0.0, f64::max);
         let extra: i64 = steps.iter().map(|(_, s)| s.triangles).sum();
+        let more: i64 = steps.iter().map(|(_, s)| s.vertices).sum();
+        let with = |of: u64, more: i64| (of as i64).saturating_add(more).max(0) as u64;
         let layers: Vec<usize> = steps.iter().map(|(_, s)| s.layer).collect();
-        options.push(made(
+        let mixed = made(
             mix_name(&steps, &names),
             finest.unwrap_or(level(base)),
             error_m,
-            (triangles(base) as i64 + extra).max(0) as u64,
+            [with(triangles(base), extra), with(vertices(base), more)],
             &layers,
-        ));
+        );
+        options.push(OptionOfPart {
+            is_even: steps.iter().all(|(_, step)| Some(step.level) == finest),
+            ..mixed
+        });
     }
     options
 }
@@ -187,8 +205,10 @@ mod tests {
             ],
             levels: Vec::new(),
             regions: Vec::new(),
+            face_levels: Vec::new(),
+            left_out: Vec::new(),
         };
-        let options = options(7, &part, Some(1e9));
+        let options = options(7, &part, (Some(1e9), 0));
         let of = |i: usize| (options[i].option.bytes_once, options[i].option.level);
         let found: Vec<_> = (0..options.len()).map(of).collect();
         // 10 bytes at level 2, 100 more at level 1, 1000 more for each region at level 0.

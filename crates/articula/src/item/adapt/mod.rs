@@ -9,8 +9,9 @@
 //! ```
 //!
 //! - `options`: what a caller may ask for beyond the context
-//! - `option_of_part`, `parts`, `mesh`, `motion`, `texture`: the parts of an item as those of a decision
-//! - `regions`: leaving out regions of body and face
+//! - `option_of_part`, `parts`, `mesh`, `motion`, `texture`, `memory`: the parts of an item as those of a
+//!   decision
+//! - `regions`, `left_out`: leaving out regions of body and face, and what that costs
 //! - `decision`: from a context to the request of a decision, and its answer
 //! - `table`: the same by an AQoS, and the AQoS of an item
 //! - `cut`, `selected`, `cutter`: what is kept, as layers and as the selection of a description
@@ -18,6 +19,8 @@
 mod cut;
 mod cutter;
 mod decision;
+mod left_out;
+mod memory;
 mod mesh;
 mod motion;
 mod option_of_part;
@@ -58,15 +61,17 @@ pub enum AdaptedItem {
         entry: FlatEntry,
         /// The files with their names.
         files: Vec<(String, Vec<u8>)>,
+        /// Their bytes as they are sent.
+        sent_bytes: u64,
     },
 }
 
 impl AdaptedItem {
-    /// Bytes of what is sent, without manifest and unit indices.
-    pub fn bytes(&self) -> u64 {
+    /// Bytes of what is sent, compressed where that is shorter, without manifest and unit indices.
+    pub fn sent_bytes(&self) -> u64 {
         match self {
-            Self::Layers(item) => item.bytes(),
-            Self::Flat { files, .. } => files.iter().map(|(_, bytes)| bytes.len() as u64).sum(),
+            Self::Layers(item) => item.sent_bytes(),
+            Self::Flat { sent_bytes, .. } => *sent_bytes,
         }
     }
 }
@@ -117,8 +122,10 @@ fn adapted(
                 let bytes = item.file(name).ok_or_else(missing).context(name)?;
                 files.push((name.clone(), bytes.to_vec()));
             }
+            let sent_bytes = files.iter().map(|(name, _)| item.manifest.sent_bytes(name));
             Ok(AdaptedItem::Flat {
                 entry: entry.clone(),
+                sent_bytes: sent_bytes.sum(),
                 files,
             })
         }

@@ -10,4 +10,7 @@ pub type PartLayers = Vec<(usize, Vec<bool>)>;
 pub(super) struct OptionOfPart {
     pub(super) option: PartOption,
     pub(super) layers: PartLayers,
+    /// Whether a table can name it: one level for all regions of a mesh, one level and tier for all
+    /// motions.
+    pub(super) is_even: bool,
 }

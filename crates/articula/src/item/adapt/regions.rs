@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::item::files::Item;
-use crate::item::part::{ItemPart, PartKind};
+use crate::item::part::{ItemPart, PartKind, RegionEntry};
 use articula_core::face_levels::FaceRegion;
 use articula_stream::Unit;
 use articula_stream::description::Preferences;
@@ -25,12 +25,39 @@ impl Regions {
         }
     }
 
-    /// The item without what does not stay.
+    /// The item without what does not stay, which its parts list.
     pub(super) fn applied(&self, item: &Item) -> Result<Item> {
         if *self == Self::default() {
             return Ok(item.clone());
         }
-        item.without_units(|part, unit| !self.keeps(part, unit))
+        let mut made = item.without_units(|part, unit| !self.keeps(part, unit))?;
+        let before = item.manifest.parts.iter();
+        for (part, before) in made.manifest.parts.iter_mut().zip(before) {
+            let regions = before.regions.iter();
+            let lost = regions.filter(|r| self.cuts(before.kind, r.number));
+            let known = part.left_out.clone();
+            let is_new = |region: &&RegionEntry| known.iter().all(|k| k.name != region.name);
+            let faces = before.face_levels.iter();
+            let lost = lost.chain(faces.filter(|level| self.coarsest_face() == Some(level.number)));
+            part.left_out.extend(lost.filter(is_new).cloned());
+        }
+        Ok(made)
+    }
+
+    /// The coarsest level of articulation of the face that a region is bounded by.
+    fn coarsest_face(&self) -> Option<u32> {
+        let coarsest = self.face_loa.and_then(|levels| levels.into_iter().min());
+        coarsest.map(u32::from)
+    }
+
+    /// Whether a region of a motion loses more than what the finest level of its part does not have.
+    fn cuts(&self, kind: PartKind, number: u32) -> bool {
+        let finest = self.face_loa.and_then(|levels| levels.into_iter().max());
+        match kind {
+            PartKind::BodyMotion => !self.allows_body(Some(number)),
+            PartKind::FaceMotion => finest.is_some_and(|loa| !self.allows_face(number, loa.into())),
+            PartKind::Mesh | PartKind::Texture => false,
+        }
     }
 
     fn keeps(&self, part: &ItemPart, unit: &Unit) -> bool {

@@ -1,12 +1,14 @@
 //! Decisions by a table: AQoS and context give a selection, the selection layers.
 
 use super::cut::ItemCut;
+use super::decision::{ItemDecision, decide_among};
 use super::options::AdaptOptions;
+use super::parts::Scope;
 use super::regions::Regions;
 use super::selected::keeps;
-use super::{decide, decision::ItemDecision};
 use crate::error::{Context as _, Result};
 use crate::item::files::Item;
+use crate::item::part::PartKind;
 use articula_stream::decide::{ChoiceRequest, PartKind as ChoiceKind};
 use articula_stream::description::{
     Aqos, Axis, BANDWIDTH, BsdLink, Content, Context, Decided, IoPin, LAYERS, LookUpTable, Module,
@@ -21,6 +23,9 @@ const PARAMETERS: [(&str, &str); 5] = [
     ("faceLevels", "FACE_LEVELS"),
 ];
 
+/// What is done where a selection does not fit.
+const BEST: &str = "the best of it that fits is sent";
+
 /// Bandwidths of the table of an item in bits per second: from 25 kbit/s, doubling.
 const LEAST_BPS: f64 = 25e3;
 const STEPS: i32 = 16;
@@ -32,8 +37,8 @@ pub(in crate::item) fn parameters() -> Vec<(String, String)> {
 }
 
 /// The AQoS of an item: a table of what the joint choice takes at each bandwidth, for the view and the
-/// device of a context. Levels of articulation and tiers are those of all motions, the mask has the
-/// regions of the context; a mesh whose regions differ counts by its finest one.
+/// device of a context, where all motions have one level of articulation and tier and all regions of a
+/// mesh one level. The mask has the regions of the context.
 ///
 /// # Errors
 /// As [`decide`].
@@ -50,7 +55,11 @@ pub fn aqos(item: &Item, context: &Context, options: &AdaptOptions) -> Result<Aq
             effort: ChoiceRequest::EFFORT.min(options.effort),
             ..*options
         };
-        let decided = decide(item, &at, &options)?;
+        let even = Scope {
+            is_even: true,
+            ..Scope::default()
+        };
+        let decided = decide_among(item, &at, &options, even)?;
         rows.push(row(&decided, context));
     }
     let content = |column: usize, pin: &str| Content {
@@ -88,34 +97,47 @@ pub fn aqos(item: &Item, context: &Context, options: &AdaptOptions) -> Result<Aq
 /// Values of the parameters for a decision; the coarsest ones if it fell to 2D or nothing fits.
 fn row(decided: &ItemDecision, context: &Context) -> [f64; 5] {
     let option = |kind| decided.chosen(kind);
-    let body = option(ChoiceKind::BodyMotion);
     let coarsest = |kind| {
         let parts = decided.parts.parts.iter().filter(|p| p.kind == kind);
         let levels = parts.flat_map(|p| p.options.iter().map(|o| o.level));
-        f64::from(levels.max().unwrap_or(0))
+        levels.max().unwrap_or(0)
     };
-    let face = option(ChoiceKind::FaceMotion)
-        .and_then(|o| o.loa)
-        .unwrap_or(0);
+    let motions = [ChoiceKind::BodyMotion, ChoiceKind::FaceMotion];
+    let moving = motions.map(|kind| option(kind).filter(|_| decided.moves(kind)));
+    // One tier is for both; beyond the coarsest, nothing moves.
+    let tier = moving.iter().flatten().map(|o| o.level).min();
+    let none = motions.into_iter().map(coarsest).max().unwrap_or(0) + 1;
+    let loa = moving.map(|moving| moving.and_then(|o| o.loa).unwrap_or(0));
     let regions = context.preferences.body_regions.unwrap_or(127);
+    let mesh = option(ChoiceKind::Mesh).map(|o| o.level);
     [
-        f64::from(body.and_then(|o| o.loa).unwrap_or(0)),
+        f64::from(loa[0]),
         f64::from(regions),
-        body.map_or_else(|| coarsest(ChoiceKind::BodyMotion), |o| f64::from(o.level)),
-        option(ChoiceKind::Mesh).map_or_else(|| coarsest(ChoiceKind::Mesh), |o| f64::from(o.level)),
-        f64::from(face) * 11_111_111.0,
+        f64::from(tier.unwrap_or(none)),
+        f64::from(mesh.unwrap_or_else(|| coarsest(ChoiceKind::Mesh))),
+        f64::from(loa[1]) * 11_111_111.0,
     ]
 }
 
 /// Decides what of an item is sent by a table in place of the joint choice, as the thesis does: the
-/// values of the AQoS select layers by level, region and tier. Textures stay whole.
+/// values of the AQoS select layers by level, region and tier. Textures, of which a table says nothing,
+/// get the largest size for which bytes are left.
+///
+/// Where what is selected exceeds the bandwidth times [`AdaptOptions::wait_secs`], the best of it that
+/// does not is sent, or a form in 2D. If nothing fits, the least of it is sent, and the last reason
+/// tells how long that takes.
 ///
 /// # Errors
 /// An [`Error`](crate::Error) that names the pin or parameter: a table that contradicts itself, a
 /// context without the bandwidth, a value that no parameter of the stylesheet has.
-pub fn decide_by_table(item: &Item, aqos: &Aqos, context: &Context) -> Result<(Decided, ItemCut)> {
+pub fn decide_by_table(
+    item: &Item,
+    aqos: &Aqos,
+    context: &Context,
+    options: &AdaptOptions,
+) -> Result<(Decided, ItemCut)> {
     context.check()?;
-    let decided = aqos.decide(&aqos.bind(context)).context("AQoS")?;
+    let mut decided = aqos.decide(&aqos.bind(context)).context("AQoS")?;
     let known = parameters().into_iter();
     let link = BsdLink {
         steering: None,
@@ -126,15 +148,122 @@ pub fn decide_by_table(item: &Item, aqos: &Aqos, context: &Context) -> Result<(D
             .collect(),
     };
     let selection = link.selection(&decided.values).context("AQoS")?;
-    let kept = item.manifest.parts.iter().map(|part| {
+    let selected = item.manifest.parts.iter().map(|part| {
         let wanted: Vec<usize> = (0..part.layers.len())
             .filter(|layer| keeps(&selection, part.kind, &part.layers[*layer]))
             .collect();
         part.closure(&wanted)
     });
-    let kept = kept.collect();
-    let mut preferences = context.preferences.clone();
+    let selected: Vec<Vec<bool>> = selected.collect();
+    let mut context = context.clone();
+    let preferences = &mut context.preferences;
     preferences.body_regions = selection.body_regions.or(preferences.body_regions);
-    let regions = Regions::of(&preferences);
+    // What is selected is wanted, seen or not.
+    preferences.tolerance_px = Some(0.0);
+    let regions = Regions::of(&context.preferences);
+    let within = Scope {
+        within: Some(&selected),
+        ..Scope::default()
+    };
+    let choice = decide_among(item, &context, options, within)?;
+    let left = Selected {
+        item: &regions.applied(item)?,
+        layers: &selected,
+        choice: &choice,
+    };
+    let (kept, reason) = match (left.with_textures(), choice.cut.clone()) {
+        (Some(kept), _) => (kept, None),
+        (None, Some(cut)) => {
+            decided.reasons.push(format!("{}: {BEST}", left.exceeds()));
+            return Ok((decided, cut));
+        }
+        (None, None) => {
+            let least = left.least();
+            let bytes = left.bytes(&least);
+            let secs = options.wait_secs * bytes as f64 / left.allowed().max(1) as f64;
+            let what = format!("nothing fits; the least, {bytes} bytes, takes {secs:.2} s");
+            (least, Some(format!("{}: {what}", left.exceeds())))
+        }
+    };
+    decided.reasons.extend(reason);
     Ok((decided, ItemCut::Layers { kept, regions }))
+}
+
+/// Layers that a table selects, all sizes of textures, and the choice among them.
+struct Selected<'a> {
+    /// The item with the regions that are wanted.
+    item: &'a Item,
+    layers: &'a [Vec<bool>],
+    choice: &'a ItemDecision,
+}
+
+impl Selected<'_> {
+    /// What is selected with the largest size of textures that fits; `None` if none fits.
+    fn with_textures(&self) -> Option<Vec<Vec<bool>>> {
+        let parts = self
+            .choice
+            .parts
+            .parts
+            .iter()
+            .zip(&self.choice.parts.layers);
+        let textures = parts.filter(|(part, _)| part.kind == ChoiceKind::Texture);
+        let mut sizes: Vec<_> = textures.flat_map(|(_, layers)| layers).collect();
+        let none = Vec::new();
+        if sizes.is_empty() {
+            sizes.push(&none);
+        }
+        let with = |size: &Vec<(usize, Vec<bool>)>| {
+            let mut kept = self.without_textures();
+            for (part, layers) in size {
+                kept[*part].clone_from(layers);
+            }
+            kept
+        };
+        let mut all = sizes.into_iter().map(with);
+        all.find(|kept| self.bytes(kept) <= self.allowed())
+    }
+
+    fn without_textures(&self) -> Vec<Vec<bool>> {
+        let parts = self.item.manifest.parts.iter().zip(self.layers);
+        let kept = parts.map(|(part, layers)| match part.kind {
+            PartKind::Texture => vec![false; layers.len()],
+            _ => layers.clone(),
+        });
+        kept.collect()
+    }
+
+    /// The fewest bytes of each part.
+    fn least(&self) -> Vec<Vec<bool>> {
+        let mut kept = self.without_textures();
+        for (part, layers) in self
+            .choice
+            .parts
+            .parts
+            .iter()
+            .zip(&self.choice.parts.layers)
+        {
+            let options = part.options.iter().zip(layers);
+            let least = options.min_by_key(|(option, _)| option.bytes_once);
+            for (part, layers) in least.iter().flat_map(|(_, layers)| *layers) {
+                kept[*part].clone_from(layers);
+            }
+        }
+        kept
+    }
+
+    /// Bytes that are sent with these layers.
+    fn bytes(&self, kept: &[Vec<bool>]) -> u64 {
+        let parts = self.item.manifest.parts.iter().zip(kept);
+        // A texture without a size leaves the item.
+        let bytes = parts.map(|(part, kept)| part.bytes_of(kept));
+        bytes.fold(self.choice.bytes_always, u64::saturating_add)
+    }
+
+    fn allowed(&self) -> u64 {
+        self.choice.bytes_allowed.unwrap_or(u64::MAX)
+    }
+
+    fn exceeds(&self) -> String {
+        format!("what is selected exceeds {} bytes", self.allowed())
+    }
 }

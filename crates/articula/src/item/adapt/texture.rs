@@ -1,5 +1,6 @@
 //! Textures of an item: all at one greatest size.
 
+use super::memory;
 use super::option_of_part::OptionOfPart;
 use crate::item::part::{ItemLayer, ItemPart, TextureView};
 use articula_stream::decide::{MAX_OPTIONS, PartOption};
@@ -54,9 +55,15 @@ fn option(
         let error = found.map_or(0.0, |(_, layer)| error_px(&layer.views, pixels_per_metre));
         option.error_px = option.error_px.max(error);
         option.bytes_once += part.bytes_of(&kept);
+        let memory = found.map_or(0, |(_, layer)| memory::picture(layer));
+        option.memory_bytes = (option.memory_bytes + memory).min(memory::MOST);
         layers.push((*index, kept));
     }
-    OptionOfPart { option, layers }
+    OptionOfPart {
+        option,
+        layers,
+        is_even: true,
+    }
 }
 
 /// The error at a number of pixels per metre: linear between the nearest measured views, that of the
