@@ -62,6 +62,10 @@ const SEEDS: &[Seeds] = &[
         folder: Some("golden"),
         ..seeds("afp2", b"", &["afp"])
     },
+    Seeds {
+        folder: Some("golden"),
+        ..seeds("any_order", b"\x02\x05", &["abp", "afp", "ams"])
+    },
     documents("aqos"),
     seeds("bva", b"", &["bva"]),
     seeds("bvh", b"", &["bvh"]),

@@ -4,6 +4,7 @@
 //! - [`Unit`], [`Marker`], [`Field`], [`Coding`]: which bits of a stream hold what, independent of
 //!   the codec; numbers in them can be rewritten
 //! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
+//! - [`selected`], [`difference()`], [`ByteRanges`]: which bytes a client must fetch to refine what it has
 //! - [`write_index`], [`read_index`]: the map as bytes
 //! - [`description`]: descriptions after MPEG-21: of streams (gBSD), of their adaptation, of the context
 //!   of use
@@ -83,6 +84,7 @@ pub mod fba;
 mod frame_rate;
 #[cfg(feature = "codecs")]
 mod golomb;
+mod increment;
 mod index;
 mod kind;
 mod limits;
@@ -103,6 +105,7 @@ pub use error::StreamError;
 pub use face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 #[cfg(feature = "codecs")]
 pub use frame_rate::FrameRate;
+pub use increment::{ByteRanges, difference, selected};
 pub use index::{read_index, write_index};
 pub use kind::StreamKind;
 pub use limits::{DescriptionLimits, StreamLimits};

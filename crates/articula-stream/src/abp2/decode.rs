@@ -2,19 +2,17 @@
 //!
 //! Form: `docs/formats/abp2.md`, parts 4 to 6.
 
-use super::access_unit::{AccessUnit, UnitPlace};
 use super::contexts::Contexts;
 use super::head::MotionHead;
 use super::levels::{code_coarsest, code_plane};
 use super::step::{coefficient, level_size};
 use super::tracks::{TrackPlace, TrackTable};
 use super::wavelet::{Place, inverse, order};
-use crate::error::StreamError;
 use crate::range_coder::{Coder, Decoder};
 
-/// Decodes access units of one motion; reuses its memory.
+/// Decodes the groups of access units of one motion; reuses its memory.
 #[derive(Debug, Clone, Default)]
-pub(super) struct AccessUnitDecoder {
+pub(super) struct GroupDecoder {
     /// Coded order of the last number of frames.
     places: Vec<Place>,
     /// Levels of the tracks of one group.
@@ -23,81 +21,70 @@ pub(super) struct AccessUnitDecoder {
     frames: Vec<i64>,
 }
 
-impl AccessUnitDecoder {
-    /// Decodes the units of an access unit. `show` gets the number of each track
-    /// that has levels and, axis by axis, its values in 2^-22 at each frame; tracks without stay at
-    /// their reference value.
-    pub(super) fn decode(
+/// A unit of a group whose body does not decode.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct BadUnit {
+    pub(super) tier: usize,
+    pub(super) what: &'static str,
+}
+
+impl GroupDecoder {
+    /// Decodes the units of a group in one access unit of so many frames: tiers and bodies, from coarse
+    /// to fine. Returns the finest tier that could be decoded: units after a missing tier, without
+    /// which they cannot be, are left; the number of tiers if the coarsest is missing.
+    ///
+    /// `show` gets the number of each track of the group and, axis by axis, its values in 2^-22 at each
+    /// frame.
+    pub(super) fn decode<'a>(
         &mut self,
-        stream: &[u8],
-        head: &MotionHead,
-        table: &TrackTable,
-        access_unit: &AccessUnit,
+        (head, table, group): (&MotionHead, &TrackTable, usize),
+        frames: usize,
+        units: impl Iterator<Item = (usize, &'a [u8])>,
         mut show: impl FnMut(usize, &[i64]),
-    ) -> Result<(), StreamError> {
-        let frames = access_unit.frames.len();
+    ) -> Result<usize, BadUnit> {
         if self.places.len() != frames {
             self.places = order(frames);
         }
-        for (group, tracks) in table.of_group.iter().enumerate() {
-            let units: Vec<&UnitPlace> = access_unit
-                .units
-                .iter()
-                .filter(|unit| unit.group == group)
-                .collect();
-            let Some(first) = units.first() else {
-                continue;
-            };
-            if !table.has_pose[group] {
-                let what = format!("a unit of group {group}, whose pose unit is missing");
-                return Err(at(first, what));
-            }
-            let dropped = self.group(stream, head, table, tracks, &units)?;
-            for (slot, track) in tracks.iter().enumerate() {
-                if !self.reconstruct(head, &table.tracks[*track], slot, dropped) {
-                    return Err(at(
-                        first,
-                        format!("a coefficient of group {group} is too large"),
-                    ));
-                }
-                show(*track, &self.frames);
-            }
+        let finest = self.levels_of((head, table, group), units)?;
+        if finest == head.tiers {
+            return Ok(finest);
         }
-        Ok(())
+        for (slot, track) in table.of_group[group].iter().enumerate() {
+            if !self.reconstruct(head, &table.tracks[*track], slot, finest) {
+                let what = "a coefficient is too large";
+                return Err(BadUnit { tier: finest, what });
+            }
+            show(*track, &self.frames);
+        }
+        Ok(finest)
     }
 
     /// Decodes the levels of the tracks of a group; returns the finest tier.
-    fn group(
+    fn levels_of<'a>(
         &mut self,
-        stream: &[u8],
-        head: &MotionHead,
-        table: &TrackTable,
-        tracks: &[usize],
-        units: &[&UnitPlace],
-    ) -> Result<usize, StreamError> {
+        (head, table, group): (&MotionHead, &TrackTable, usize),
+        units: impl Iterator<Item = (usize, &'a [u8])>,
+    ) -> Result<usize, BadUnit> {
         let frames = self.places.len();
+        let tracks = &table.of_group[group];
         self.levels
             .resize_with(self.levels.len().max(tracks.len()), Vec::new);
-        let mut units = units.iter().peekable();
-        let mut reached = head.tiers;
+        let mut units = units.peekable();
+        let mut finest = head.tiers;
         for tier in (0..head.tiers).rev() {
             let planes = |track: &usize, tier: usize| {
                 let moving = table.tracks[*track].moving();
                 moving.map_or(0, |(_, planes)| planes.get(tier).map_or(0, |p| *p))
             };
             let is_coarsest = tier + 1 == head.tiers;
-            let adds = is_coarsest || tracks.iter().any(|t| planes(t, tier + 1) > planes(t, tier));
-            if units.peek().is_none_or(|unit| unit.tier != tier) {
-                if !adds {
-                    continue;
+            let Some((_, body)) = units.next_if(|(of, _)| *of == tier) else {
+                if table.adds(head.tiers, group, tier) {
+                    break;
                 }
-                if let Some(unit) = units.peek() {
-                    return Err(at(unit, format!("tier {} without tier {tier}", unit.tier)));
-                }
-                break;
-            }
-            let Some(unit) = units.next() else { break };
-            let mut coder = Decoder::new(&stream[unit.body.clone()]);
+                // Tiers that add nothing cost nothing.
+                continue;
+            };
+            let mut coder = Decoder::new(body);
             let mut contexts = Contexts::trained();
             for (slot, track) in tracks.iter().enumerate() {
                 let levels = &mut self.levels[slot];
@@ -109,17 +96,18 @@ impl AccessUnitDecoder {
                 }
                 for _ in planes(track, tier)..planes(track, tier + 1) {
                     if !code_plane(&mut coder, &mut contexts, tier, &self.places, levels, &[]) {
-                        return Err(at(unit, "a level beyond 2^24"));
+                        let what = "a level beyond 2^24";
+                        return Err(BadUnit { tier, what });
                     }
                 }
             }
             if coder.is_exhausted() {
-                return Err(at(unit, "the unit ends too early"));
+                let what = "the unit ends too early";
+                return Err(BadUnit { tier, what });
             }
-            reached = tier;
+            finest = tier;
         }
-        // Tiers that add nothing cost nothing.
-        Ok(reached)
+        Ok(finest)
     }
 
     /// Computes the frames of a track from its levels at a tier.
@@ -154,8 +142,4 @@ impl AccessUnitDecoder {
         }
         true
     }
-}
-
-fn at(unit: &UnitPlace, what: impl Into<String>) -> StreamError {
-    StreamError::malformed(format!("byte {}", unit.bytes.start), what)
 }

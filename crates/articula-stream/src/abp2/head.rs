@@ -4,7 +4,7 @@
 
 use super::grouping::{Group, Grouping};
 use super::pose_unit::MOST_TIERS;
-use super::unit_form::{UnitFault, UnitForm, VERSION, VERSION_WITHOUT_CHECKSUMS};
+use super::unit_form::{UnitBytes, UnitFault, UnitForm, VERSION, VERSION_WITHOUT_CHECKSUMS};
 use super::wavelet::MOST_FRAMES;
 use crate::abp2::face_channels;
 use crate::error::StreamError;
@@ -83,6 +83,8 @@ pub(super) struct ReadHead {
     pub(super) poses: Vec<PosePlace>,
     /// Where the skeleton is, if it is carried.
     pub(super) skeleton: Option<PosePlace>,
+    /// Bytes before the first unit of the head.
+    pub(super) fields: usize,
     /// Bytes up to the first access unit.
     pub(super) bytes: usize,
 }
@@ -151,7 +153,7 @@ impl MotionHead {
     }
 
     /// Form of the units in the head; version 1 has no skeleton.
-    fn form(&self) -> UnitForm {
+    pub(super) fn form(&self) -> UnitForm {
         let skeletons = usize::from(self.version != VERSION_WITHOUT_CHECKSUMS);
         UnitForm {
             version: self.version,
@@ -252,6 +254,28 @@ impl MotionHead {
         bytes: &[u8],
         limits: &StreamLimits,
     ) -> Result<Option<ReadHead>, StreamError> {
+        let end = Self::end(bytes, limits)?;
+        let Some(head) = end.and_then(|end| bytes.get(..end)) else {
+            return Ok(None);
+        };
+        let mut read = Self::read_fields(head, limits)?;
+        let mut reader = ByteReader::new(head);
+        reader.slice(read.fields)?;
+        while reader.left() > 0 {
+            let form = read.head.form();
+            let unit = form.read(&mut reader).map_err(UnitFault::of_whole)?;
+            let at = format!("byte {}", unit.bytes.start);
+            let number = unit.number;
+            if !read.put(PosePlace::of(unit)) {
+                let what = format!("unit {number} of the head occurs twice");
+                return Err(StreamError::malformed(at, what));
+            }
+        }
+        Ok(Some(read))
+    }
+
+    /// Returns where the head ends; `None` if too few bytes are there to tell.
+    pub(super) fn end(bytes: &[u8], limits: &StreamLimits) -> Result<Option<usize>, StreamError> {
         let known = bytes.len().min(4);
         let is_face = bytes[..known] == MAGIC_OF_FACES[..known];
         if !is_face && bytes[..known] != MAGIC[..known] {
@@ -270,14 +294,23 @@ impl MotionHead {
             u64::from(length),
             limits.bytes,
         )?;
-        let end = PREFIX + length as usize;
-        let Some(head) = bytes.get(..end) else {
-            return Ok(None);
-        };
-        let mut reader = ByteReader::new(head);
+        Ok(Some(PREFIX + length as usize))
+    }
+
+    /// Reads what is in a head before its units, which need not be there.
+    pub(super) fn read_fields(
+        bytes: &[u8],
+        limits: &StreamLimits,
+    ) -> Result<ReadHead, StreamError> {
+        let early = "the bytes end within the length of the head";
+        let end =
+            Self::end(bytes, limits)?.ok_or_else(|| StreamError::malformed("byte 4", early))?;
+        let is_face = bytes.starts_with(&MAGIC_OF_FACES);
+        let bytes = &bytes[..end.min(bytes.len())];
+        let mut reader = ByteReader::new(bytes);
         reader.slice(PREFIX)?;
         let mut fields = Fields {
-            bytes: head,
+            bytes,
             reader,
             limits,
         };
@@ -287,15 +320,44 @@ impl MotionHead {
             fields.morphs(&mut head)?;
         }
         fields.check(&head)?;
-        let mut poses = fields.poses(&head)?;
-        let of_skeleton = |place: &mut PosePlace| place.number == head.pose_count();
-        let skeleton = poses.extract_if(.., of_skeleton).next();
-        Ok(Some(ReadHead {
+        Ok(ReadHead {
             head,
-            poses,
-            skeleton,
+            poses: Vec::new(),
+            skeleton: None,
+            fields: fields.reader.at(),
             bytes: end,
-        }))
+        })
+    }
+}
+
+impl ReadHead {
+    /// Adds a unit of the head; false if there is one of its number.
+    pub(super) fn put(&mut self, unit: PosePlace) -> bool {
+        if self.place(unit.number).is_some() {
+            return false;
+        }
+        if unit.number == self.head.pose_count() {
+            self.skeleton = Some(unit);
+        } else {
+            self.poses.push(unit);
+        }
+        true
+    }
+
+    /// The unit of a number, if it is there.
+    pub(super) fn place(&self, number: usize) -> Option<&PosePlace> {
+        let mut all = self.poses.iter().chain(&self.skeleton);
+        all.find(|unit| unit.number == number)
+    }
+}
+
+impl PosePlace {
+    fn of(unit: UnitBytes) -> Self {
+        Self {
+            number: unit.number,
+            bytes: unit.bytes,
+            body: unit.body,
+        }
     }
 }
 
@@ -443,27 +505,6 @@ impl Fields<'_> {
         }
         let what = format!("the checksum of the head is {found:#06x}, expected {expected:#06x}");
         Err(StreamError::malformed(format!("byte {end}"), what))
-    }
-
-    /// Reads the units, up to the end of the head.
-    fn poses(&mut self, head: &MotionHead) -> Result<Vec<PosePlace>, StreamError> {
-        let form = head.form();
-        let mut poses: Vec<PosePlace> = Vec::new();
-        while self.reader.left() > 0 {
-            let unit = form.read(&mut self.reader).map_err(UnitFault::of_whole)?;
-            let number = unit.number;
-            if poses.iter().any(|pose| pose.number == number) {
-                let at = format!("byte {}", unit.bytes.start);
-                let what = format!("unit {number} of the head occurs twice");
-                return Err(StreamError::malformed(at, what));
-            }
-            poses.push(PosePlace {
-                number,
-                bytes: unit.bytes,
-                body: unit.body,
-            });
-        }
-        Ok(poses)
     }
 }
 

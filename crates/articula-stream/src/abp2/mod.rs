@@ -45,6 +45,7 @@
 //! ```
 
 mod access_unit;
+mod arrived;
 mod contexts;
 mod decode;
 mod encode;
@@ -53,9 +54,12 @@ mod grouping;
 mod head;
 mod levels;
 mod map;
+mod motion_state;
+mod places;
 mod pose_unit;
 mod receiver;
 mod rotation;
+mod shown;
 mod skeleton;
 mod start_contexts;
 mod step;
@@ -67,7 +71,6 @@ pub use encode::{EncodedMotion, ManifestRow, MotionOptions, SkinError, UnitOrder
 pub use grouping::{Group, Grouping};
 pub use head::{FaceHead, MotionHead};
 
-pub(crate) use access_unit::AccessUnit;
 pub(crate) use encode::encode_face;
 pub use map::{motion_map, prefix_map};
 pub use receiver::MotionReceiver;

@@ -1,47 +1,45 @@
 //! Client side of a motion stream: bytes as they arrive, a clip that refines.
 
-use super::access_unit::AccessUnit;
-use super::decode::AccessUnitDecoder;
-use super::head::{MotionHead, ReadHead};
-use super::pose_unit::{Kind, TrackForm};
-use super::rotation::{exp, product};
-use super::step::POINT;
-use super::tracks::{TrackPlace, TrackTable};
+use super::head::MotionHead;
+use super::motion_state::{Arrival, MotionState};
 use crate::error::StreamError;
 use crate::limits::StreamLimits;
-use articula_core::{Clip, Mismatch, Rig, Track, Tracks, same_hemisphere};
-use glam::{Quat, Vec3};
+use articula_core::{Clip, Mismatch, Rig};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Receives a motion stream, whole or in pieces of any length, and decodes what is there.
+/// Receives a motion stream and decodes what is there: whole, in pieces of any length
+/// ([`Self::receive`]), or its units in any order ([`Self::receive_at`], [`Self::receive_units`]).
 ///
-/// A group whose units are missing in a whole access unit keeps its reference pose there. While an
-/// access unit is arriving, groups that are not there yet hold the frame before it; frames of access
-/// units that have not arrived hold the last frame that has. The decoded whole numbers are
-/// the same on every platform, and so are the rotations and translations made of them.
+/// What is shown depends on what is there, not on the order in which it came. An access unit is there
+/// once its length is, or a unit of it. A group whose units are missing in an access unit that is there
+/// keeps its reference pose in it; a unit whose coarser ones are missing waits for them. Frames of access
+/// units that are not there hold the frame before them, at first the reference pose. While an access
+/// unit is arriving by [`Self::receive`], groups that are not there yet hold the frame before it.
+///
+/// The decoded whole numbers are the same on every platform, and so are the rotations and translations
+/// made of them.
 #[derive(Debug, Clone)]
 pub struct MotionReceiver {
     rig: Rig,
     /// Whether face streams are received, in place of motions.
     of_face: bool,
     limits: StreamLimits,
-    bytes: Vec<u8>,
-    started: Option<Started>,
+    /// Bytes that came in order.
+    in_order: u64,
+    /// Bytes that end within a part or wait until it is known where they belong, by their first.
+    waiting: BTreeMap<u64, Vec<u8>>,
+    state: Option<MotionState>,
 }
 
+/// An access unit that is there.
 #[derive(Debug, Clone)]
-struct Started {
-    read: ReadHead,
-    table: TrackTable,
-    tracks: Tracks,
-    /// For each track of the table its index in the tracks of its kind.
-    shown: Vec<usize>,
-    decoder: AccessUnitDecoder,
-    /// Start of the first access unit that is not whole, and its number.
-    next: (usize, usize),
-    /// Frames before this are decoded, some perhaps coarsely.
-    frames: usize,
-    hash: u64,
+pub(crate) struct AccessUnitThere {
+    pub(crate) frames: Range<usize>,
+    /// For each group whether it shows values of its own.
+    pub(crate) has_values: Vec<bool>,
+    /// Whether it is arriving in the order of the bytes.
+    pub(crate) is_arriving: bool,
 }
 
 impl MotionReceiver {
@@ -51,8 +49,9 @@ impl MotionReceiver {
             rig: rig.clone(),
             of_face: false,
             limits: *limits,
-            bytes: Vec::new(),
-            started: None,
+            in_order: 0,
+            waiting: BTreeMap::new(),
+            state: None,
         }
     }
 
@@ -79,72 +78,96 @@ impl MotionReceiver {
     ///
     /// # Errors
     /// A [`StreamError`] that names the byte: malformed bytes, a head or unit that was damaged, a motion
-    /// of another rig, more than the limits allow. The receiver keeps what it had decoded before.
+    /// of another rig, more than the limits allow. The receiver stays as it was.
     pub fn receive(&mut self, more: &[u8]) -> Result<Range<usize>, StreamError> {
-        let total = (self.bytes.len() + more.len()) as u64;
-        StreamLimits::check("the stream", "bytes", total, self.limits.bytes)?;
-        self.bytes.extend(more);
-        if self.started.is_none() {
-            let Some(read) = MotionHead::read(&self.bytes, &self.limits)? else {
-                return Ok(0..0);
-            };
-            if read.head.face.is_some() != self.of_face {
-                let expected = if self.of_face {
-                    "a face stream, AFP2"
-                } else {
-                    "a motion stream, ABP2"
-                };
-                return Err(StreamError::malformed(
-                    "byte 0",
-                    format!("expected {expected}"),
-                ));
-            }
-            self.started = Some(Started::new(&self.bytes, read, &self.rig, &self.limits)?);
-        }
-        match &mut self.started {
-            Some(started) => started.go_on(&self.bytes, &self.rig),
-            None => Ok(0..0),
-        }
+        let changed = self.take(self.in_order, more, Arrival::InOrder)?;
+        self.in_order += more.len() as u64;
+        Ok(changed)
     }
 
-    /// Returns the head, if it has arrived.
+    /// Takes bytes of the stream from byte `offset` on, in any order and also again, decodes the units
+    /// that they complete, and returns the frames that changed.
+    ///
+    /// The bytes must begin with a unit or the length of an access unit, as the ranges of
+    /// [`difference`](crate::difference()) do, or where bytes that were taken ended; those from 0 on must
+    /// hold the head up to its first unit. Bytes wait until the head is there, and until the lengths of
+    /// all access units before theirs are.
+    ///
+    /// # Errors
+    /// A [`StreamError`] that names the byte: as [`Self::receive`], and units that are there with other
+    /// bytes. The receiver stays as it was, unless the fault is in bytes that had waited or in a unit that
+    /// had waited for a coarser one: then only what is at fault is dropped, and any frame may have
+    /// changed.
+    pub fn receive_at(&mut self, offset: u64, bytes: &[u8]) -> Result<Range<usize>, StreamError> {
+        if bytes.is_empty() {
+            return Ok(0..0);
+        }
+        self.take(offset, bytes, Arrival::Any)
+    }
+
+    /// Takes whole units of an access unit, in any order and also again, wherever they were stored, and
+    /// returns the frames that changed. The access unit is there from then on, also if there are none.
+    ///
+    /// # Errors
+    /// As [`Self::receive_at`], with the byte of those given; a [`Mismatch`] before the fields of the head
+    /// are there, and for an access unit that the motion does not have.
+    pub fn receive_units(
+        &mut self,
+        access_unit: usize,
+        units: &[u8],
+    ) -> Result<Range<usize>, StreamError> {
+        self.check_limit(0, units)?;
+        let Some(state) = &mut self.state else {
+            return Err(Mismatch::new("stream", "the head has not arrived").into());
+        };
+        let count = state.head().access_units;
+        if access_unit >= count {
+            let what = format!("{access_unit}, the motion has {count}");
+            return Err(Mismatch::new("access unit", what).into());
+        }
+        state.take_units(access_unit, units, &self.rig)
+    }
+
+    /// Returns the head without its units, if it has arrived.
     pub fn head(&self) -> Option<&MotionHead> {
-        self.started.as_ref().map(|started| &started.read.head)
+        self.state.as_ref().map(MotionState::head)
     }
 
-    /// Returns the number of frames that can be shown, from the first.
+    /// Returns the number of frames that can be shown, from the first: those before the first access
+    /// unit that is not there.
     pub fn frames(&self) -> usize {
-        self.started.as_ref().map_or(0, |started| started.frames)
+        self.state.as_ref().map_or(0, MotionState::frames)
     }
 
-    /// Returns whether every access unit has arrived whole.
+    /// Returns whether every access unit is there, and none is still arriving in the order of the bytes.
     pub fn is_whole(&self) -> bool {
-        let started = self.started.as_ref();
-        started.is_some_and(|s| s.next.1 == s.read.head.access_units)
+        self.state.as_ref().is_some_and(MotionState::is_whole)
     }
 
-    /// Returns a hash (FNV-1a, over 64 bits at a time) of all whole numbers decoded from whole access
-    /// units, to compare platforms.
+    /// Returns a hash (FNV-1a, over 64 bits at a time) of all whole numbers of the access units that are
+    /// there, but for one that is arriving, to compare platforms. Decodes all units anew.
     pub fn hash(&self) -> u64 {
-        self.started
-            .as_ref()
-            .map_or(FNV_START, |started| started.hash)
+        let mut hash = FNV_START;
+        if let Some(state) = &self.state {
+            state.visit(|values| hash = hashed(hash, values));
+        }
+        hash
     }
 
-    /// The access units of which something has arrived.
-    pub(crate) fn access_units(&self) -> Vec<AccessUnit> {
-        let Some(started) = &self.started else {
+    /// The access units that are there, rising.
+    pub(crate) fn access_units(&self) -> Vec<AccessUnitThere> {
+        let Some(state) = &self.state else {
             return Vec::new();
         };
-        let mut at = started.read.bytes;
-        let mut found = Vec::new();
-        while found.len() < started.read.head.access_units {
-            let read = AccessUnit::read(&self.bytes, at, found.len(), &started.read.head);
-            let Ok(Some(access_unit)) = read else { break };
-            at = access_unit.bytes.end;
-            found.push(access_unit);
-        }
-        found
+        let head = state.head();
+        let there = |number: usize| AccessUnitThere {
+            frames: head.frames_of(number),
+            has_values: (0..head.group_count())
+                .map(|group| state.has_values(number, group))
+                .collect(),
+            is_arriving: state.is_arriving(number),
+        };
+        state.access_units().map(there).collect()
     }
 
     /// Returns the motion as received so far.
@@ -152,12 +175,137 @@ impl MotionReceiver {
     /// # Errors
     /// A [`Mismatch`] if the head has not arrived.
     pub fn clip(&self) -> Result<Clip, Mismatch> {
-        let Some(started) = &self.started else {
+        let Some(state) = &self.state else {
             return Err(Mismatch::new("stream", "the head has not arrived"));
         };
-        let head = &started.read.head;
-        let tracks = started.tracks.clone();
+        let head = state.head();
+        let tracks = state.tracks().clone();
         Clip::new(&head.name, head.rate_hz, head.frames, head.joints, tracks)
+    }
+
+    /// Checks that a stream with these bytes, and what is stored with them, is not too large.
+    fn check_limit(&self, offset: u64, bytes: &[u8]) -> Result<(), StreamError> {
+        let waiting: usize = self.waiting.values().map(Vec::len).sum();
+        let stored = self.state.as_ref().map_or(0, MotionState::bytes) + waiting;
+        let total = offset.max(stored as u64).saturating_add(bytes.len() as u64);
+        StreamLimits::check("the stream", "bytes", total, self.limits.bytes)
+    }
+
+    /// Takes bytes, with those before them that wait for them, and then what waited for what they tell.
+    fn take(
+        &mut self,
+        offset: u64,
+        more: &[u8],
+        arrival: Arrival,
+    ) -> Result<Range<usize>, StreamError> {
+        self.check_limit(offset, more)?;
+        let before = self.waiting.range(..offset).next_back();
+        let before = before.filter(|(start, bytes)| **start + bytes.len() as u64 == offset);
+        let before = before.map(|(start, _)| *start);
+        let mut joined = before.and_then(|start| self.waiting.remove(&start));
+        let known = self.known_lengths();
+        let result = match &mut joined {
+            None => self.take_piece((offset, more), arrival),
+            Some(bytes) => {
+                bytes.extend(more);
+                self.take_piece((offset - (bytes.len() - more.len()) as u64, bytes), arrival)
+            }
+        };
+        let length = joined.as_ref().map_or(0, |bytes| bytes.len() - more.len());
+        let start = offset - length as u64;
+        let (changed, taken) = match result {
+            Ok(done) => done,
+            Err(error) => {
+                if let Some(mut bytes) = joined {
+                    bytes.truncate(length);
+                    self.waiting.insert(start, bytes);
+                }
+                return Err(error);
+            }
+        };
+        let left = match joined {
+            None => more[taken..].to_vec(),
+            Some(mut bytes) => {
+                bytes.drain(..taken);
+                bytes
+            }
+        };
+        self.wait(start + taken as u64, left);
+        if self.known_lengths() == known {
+            return Ok(changed);
+        }
+        Ok(united(changed, self.take_waiting()?))
+    }
+
+    /// Keeps bytes until more are there, unless longer ones wait at the same place.
+    fn wait(&mut self, start: u64, bytes: Vec<u8>) {
+        let there = self.waiting.get(&start).map_or(0, Vec::len);
+        if bytes.len() > there {
+            self.waiting.insert(start, bytes);
+        }
+    }
+
+    /// Number of access units whose length is known; `None` before the fields of the head are there.
+    fn known_lengths(&self) -> Option<usize> {
+        self.state.as_ref().map(MotionState::known_lengths)
+    }
+
+    /// Takes what waits and can be taken by now. What is at fault is dropped.
+    fn take_waiting(&mut self) -> Result<Range<usize>, StreamError> {
+        let mut changed = Ok(0..0);
+        let starts: Vec<u64> = self.waiting.keys().copied().collect();
+        for start in starts {
+            let Some(mut bytes) = self.waiting.remove(&start) else {
+                continue;
+            };
+            match self.take_piece((start, &bytes), Arrival::Any) {
+                Ok((more, taken)) => {
+                    bytes.drain(..taken);
+                    self.wait(start + taken as u64, bytes);
+                    changed = changed.map(|changed| united(changed, more));
+                }
+                Err(error) => changed = changed.and(Err(error)),
+            }
+        }
+        changed
+    }
+
+    /// Takes bytes that begin with a part; returns the frames that changed, and how many were taken.
+    fn take_piece(
+        &mut self,
+        (start, bytes): (u64, &[u8]),
+        arrival: Arrival,
+    ) -> Result<(Range<usize>, usize), StreamError> {
+        if let Some(state) = &mut self.state {
+            return state.take((start, bytes), arrival, &self.rig);
+        }
+        if start > 0 {
+            return Ok((0..0, 0));
+        }
+        let end = MotionHead::end(bytes, &self.limits)?;
+        if arrival == Arrival::InOrder && end.is_none_or(|end| bytes.len() < end) {
+            return Ok((0..0, 0));
+        }
+        let mut state = MotionState::new(bytes, &self.rig, &self.limits)?;
+        if state.head().face.is_some() != self.of_face {
+            let expected = match self.of_face {
+                true => "expected a face stream, AFP2",
+                false => "expected a motion stream, ABP2",
+            };
+            return Err(StreamError::malformed("byte 0", expected));
+        }
+        let taken = state.take((start, bytes), arrival, &self.rig)?;
+        self.state = Some(state);
+        Ok(taken)
+    }
+}
+
+/// The frames from the first of two ranges to the last.
+fn united(a: Range<usize>, b: Range<usize>) -> Range<usize> {
+    match (a.is_empty(), b.is_empty()) {
+        (true, _) => b,
+        (_, true) => a,
+        _ => a.start.min(b.start)..a.end.max(b.end),
     }
 }
 
@@ -166,239 +314,4 @@ const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
 fn hashed(hash: u64, values: &[i64]) -> u64 {
     let words = values.iter().map(|x| *x as u64);
     words.fold(hash, |h, word| (h ^ word).wrapping_mul(0x0100_0000_01b3))
-}
-
-impl Started {
-    fn new(
-        bytes: &[u8],
-        read: ReadHead,
-        rig: &Rig,
-        limits: &StreamLimits,
-    ) -> Result<Self, StreamError> {
-        let table = TrackTable::read(bytes, &read, rig)?;
-        let moving = table
-            .tracks
-            .iter()
-            .filter(|track| track.moving().is_some())
-            .count();
-        let elements = moving as u64 * read.head.frames as u64;
-        StreamLimits::check("the head", "values", elements, limits.elements)?;
-        let (tracks, shown) = at_reference(&table, rig, read.head.frames);
-        let frames = if read.head.access_units == 0 { 1 } else { 0 };
-        Ok(Self {
-            next: (read.bytes, 0),
-            read,
-            table,
-            tracks,
-            shown,
-            decoder: AccessUnitDecoder::default(),
-            frames,
-            hash: FNV_START,
-        })
-    }
-
-    /// Decodes the access units that have arrived since the last time.
-    fn go_on(&mut self, bytes: &[u8], rig: &Rig) -> Result<Range<usize>, StreamError> {
-        let head = &self.read.head;
-        let first = head.frames_of(self.next.1).start;
-        let mut changed = first..first;
-        while self.next.1 < head.access_units {
-            let (start, number) = self.next;
-            let Some(access_unit) = AccessUnit::read(bytes, start, number, head)? else {
-                break;
-            };
-            let frames = head.frames_of(number);
-            let mut hash = self.hash;
-            if access_unit.is_whole || frames.start == 0 {
-                rest(&mut self.tracks, &self.table, &self.shown, &frames, rig);
-            } else {
-                hold(&mut self.tracks, frames.clone());
-            }
-            let Self {
-                table,
-                tracks,
-                shown,
-                decoder,
-                ..
-            } = self;
-            decoder.decode(bytes, head, table, &access_unit, |track, values| {
-                hash = hashed(hash, values);
-                set(
-                    tracks,
-                    &table.tracks[track],
-                    shown[track],
-                    frames.start,
-                    values,
-                    rig,
-                );
-            })?;
-            changed.end = frames.end;
-            self.frames = frames.end;
-            if !access_unit.is_whole {
-                break;
-            }
-            self.hash = hash;
-            self.next = (access_unit.bytes.end, number + 1);
-        }
-        if !changed.is_empty() && self.frames < head.frames {
-            hold(&mut self.tracks, self.frames..head.frames);
-            changed.end = head.frames;
-        }
-        let is_whole = self.next.1 == head.access_units;
-        if is_whole && self.next.0 < bytes.len() {
-            let at = format!("byte {}", self.next.0);
-            return Err(StreamError::malformed(
-                at,
-                "bytes after the last access unit",
-            ));
-        }
-        Ok(changed)
-    }
-}
-
-/// All tracks at their reference values, and the index of each among those of its kind.
-fn at_reference(table: &TrackTable, rig: &Rig, frames: usize) -> (Tracks, Vec<usize>) {
-    let mut tracks = Tracks::default();
-    let rest = rig.rest_pose();
-    let mut shown = Vec::with_capacity(table.tracks.len());
-    for place in &table.tracks {
-        let target = place.target;
-        let count = if place.moving().is_some() { frames } else { 1 };
-        let is_rest = place.form == TrackForm::Rest;
-        let joint = usize::from(target);
-        let at = match place.kind {
-            Kind::Rotation if !is_rest => push(
-                &mut tracks.rotations,
-                target,
-                vec![place.rotation(rest.rotations[joint]); count],
-            ),
-            Kind::Translation if !is_rest => push(
-                &mut tracks.translations,
-                target,
-                vec![place.vector(rest.translations[joint]); count],
-            ),
-            Kind::Scale if !is_rest => push(
-                &mut tracks.scales,
-                target,
-                vec![place.vector(rest.scales[joint]); count],
-            ),
-            // A mesh has weights of its own: those at rest are told.
-            Kind::Morph => push(
-                &mut tracks.morphs,
-                target,
-                vec![place.reference()[0]; count],
-            ),
-            _ => usize::MAX,
-        };
-        shown.push(at);
-    }
-    (tracks, shown)
-}
-
-/// Sets moving tracks to their reference values in some frames.
-fn rest(
-    tracks: &mut Tracks,
-    table: &TrackTable,
-    shown: &[usize],
-    frames: &Range<usize>,
-    rig: &Rig,
-) {
-    let pose = rig.rest_pose();
-    let moving = table
-        .tracks
-        .iter()
-        .zip(shown)
-        .filter(|(place, _)| place.moving().is_some());
-    for (place, &at) in moving {
-        let joint = usize::from(place.target);
-        let frames = frames.clone();
-        match place.kind {
-            Kind::Rotation => {
-                tracks.rotations[at].values[frames].fill(place.rotation(pose.rotations[joint]));
-            }
-            Kind::Translation => {
-                let value = place.vector(pose.translations[joint]);
-                tracks.translations[at].values[frames].fill(value);
-            }
-            Kind::Scale => tracks.scales[at].values[frames].fill(place.vector(pose.scales[joint])),
-            Kind::Morph => tracks.morphs[at].values[frames].fill(place.reference()[0]),
-        }
-    }
-}
-
-fn push<T>(tracks: &mut Vec<Track<T>>, target: u16, values: Vec<T>) -> usize {
-    tracks.push(Track {
-        target,
-        step: false,
-        values,
-    });
-    tracks.len() - 1
-}
-
-/// Sets the frames of a track from `start` by decoded values.
-fn set(
-    tracks: &mut Tracks,
-    place: &TrackPlace,
-    shown: usize,
-    start: usize,
-    values: &[i64],
-    rig: &Rig,
-) {
-    let joint = usize::from(place.target);
-    let frames = values.len() / place.kind.axes();
-    let unit = place.unit();
-    let value = |axis: usize, i: usize| real(values[axis * frames + i]) * unit;
-    let vector = |i: usize| [value(0, i), value(1, i), value(2, i)];
-    let rest = rig.rest_pose();
-    match place.kind {
-        Kind::Rotation => {
-            let reference = place.rotation(rest.rotations[joint]);
-            let out = &mut tracks.rotations[shown].values;
-            let mut before = if start > 0 { out[start - 1] } else { reference };
-            for (i, out) in out[start..].iter_mut().take(frames).enumerate() {
-                before = same_hemisphere(before, product(reference, exp(vector(i))));
-                *out = before;
-            }
-        }
-        Kind::Translation | Kind::Scale => {
-            let (rest, out) = match place.kind {
-                Kind::Scale => (rest.scales[joint], &mut tracks.scales[shown].values),
-                _ => (
-                    rest.translations[joint],
-                    &mut tracks.translations[shown].values,
-                ),
-            };
-            let reference = place.vector(rest);
-            for (i, out) in out[start..].iter_mut().take(frames).enumerate() {
-                *out = reference + Vec3::from(vector(i));
-            }
-        }
-        Kind::Morph => {
-            let reference = place.reference()[0];
-            let out = &mut tracks.morphs[shown].values;
-            for (i, out) in out[start..].iter_mut().take(frames).enumerate() {
-                *out = reference + value(0, i);
-            }
-        }
-    }
-}
-
-/// A decoded whole number as a value.
-fn real(x: i64) -> f32 {
-    x as f32 * (1.0 / (1_u32 << POINT) as f32)
-}
-
-/// Fills frames of the tracks that move with the frame before them.
-fn hold(tracks: &mut Tracks, frames: Range<usize>) {
-    fn each<T: Copy>(tracks: &mut [Track<T>], frames: &Range<usize>) {
-        let moving = tracks.iter_mut();
-        for track in moving.filter(|track| track.values.len() > frames.start) {
-            let last = track.values[frames.start - 1];
-            track.values[frames.clone()].fill(last);
-        }
-    }
-    each::<Quat>(&mut tracks.rotations, &frames);
-    each::<Vec3>(&mut tracks.translations, &frames);
-    each::<Vec3>(&mut tracks.scales, &frames);
-    each::<f32>(&mut tracks.morphs, &frames);
 }

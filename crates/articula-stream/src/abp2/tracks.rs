@@ -155,6 +155,28 @@ impl TrackTable {
         }
     }
 
+    /// The coarsest tier of a group that adds planes and is not among some falling tiers.
+    pub(super) fn missing_tier(
+        &self,
+        tiers: usize,
+        group: usize,
+        there: impl Iterator<Item = usize>,
+    ) -> Option<usize> {
+        let mut there = there.peekable();
+        let mut all = (0..tiers).rev();
+        all.find(|tier| there.next_if_eq(tier).is_none() && self.adds(tiers, group, *tier))
+    }
+
+    /// Whether a tier of a group adds planes to the next coarser one; the coarsest has the first levels.
+    pub(super) fn adds(&self, tiers: usize, group: usize, tier: usize) -> bool {
+        let of_track = |track: &usize| {
+            let (_, planes) = self.tracks[*track].moving()?;
+            Some(planes[tier + 1] > planes[tier])
+        };
+        let mut tracks = self.of_group[group].iter();
+        tier + 1 == tiers || tracks.any(|track| of_track(track) == Some(true))
+    }
+
     /// Reads the pose units of a head.
     pub(super) fn read(stream: &[u8], read: &ReadHead, rig: &Rig) -> Result<Self, StreamError> {
         let head = &read.head;

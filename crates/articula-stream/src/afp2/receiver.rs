@@ -2,7 +2,7 @@
 
 use super::points;
 use crate::abp2::face_channels::{faps_of, field_of, weight_of_unit};
-use crate::abp2::{AccessUnit, MotionHead, MotionReceiver};
+use crate::abp2::{MotionHead, MotionReceiver};
 use crate::error::StreamError;
 use crate::face::fade::Fade;
 use crate::face::levels::levels_of;
@@ -14,11 +14,14 @@ use articula_core::face_levels::FapRoles;
 use articula_core::fap_table::FAP_COUNT;
 use std::ops::Range;
 
-/// Receives a face stream, whole or in pieces of any length, and decodes what is there.
+/// Receives a face stream and decodes what is there: whole, in pieces of any length
+/// ([`Self::receive`]), or its units in any order ([`Self::receive_at`], [`Self::receive_units`]), as a
+/// [`MotionReceiver`] does.
 ///
-/// A group without units in a whole access unit is not there: its parameters copy others or are
-/// neutral at the level that is left of their region. While an access unit is arriving, groups that
-/// are not there yet hold the frame before it.
+/// A group without units in an access unit is not there: its parameters copy others or are
+/// neutral at the level that is left of their region. While an access unit is arriving by
+/// [`Self::receive`], groups that are not there yet hold the frame before it. Access units that are not
+/// there hold the frame before them; before the first, the face is neutral.
 #[derive(Debug, Clone)]
 pub struct FaceReceiver {
     motion: MotionReceiver,
@@ -58,14 +61,55 @@ impl FaceReceiver {
     ///
     /// # Errors
     /// A [`StreamError`] that names the byte: malformed bytes, a head or unit that was damaged, more
-    /// than the limits allow. The receiver keeps what it had decoded before.
+    /// than the limits allow. The receiver stays as it was.
     pub fn receive(&mut self, more: &[u8]) -> Result<Range<usize>, StreamError> {
         let changed = self.motion.receive(more)?;
-        if let Some(head) = self.motion.head() {
-            let elements = (head.frames * FAP_COUNT) as u64;
-            StreamLimits::check("the head", "elements", elements, self.limits.elements)?;
+        self.faded(changed)
+    }
+
+    /// Takes bytes of the stream from byte `offset` on, as [`MotionReceiver::receive_at`] does, and
+    /// returns the frames that changed.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn receive_at(&mut self, offset: u64, bytes: &[u8]) -> Result<Range<usize>, StreamError> {
+        let changed = self.motion.receive_at(offset, bytes)?;
+        self.faded(changed)
+    }
+
+    /// Takes whole units of an access unit, as [`MotionReceiver::receive_units`] does, and returns the
+    /// frames that changed.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn receive_units(
+        &mut self,
+        access_unit: usize,
+        units: &[u8],
+    ) -> Result<Range<usize>, StreamError> {
+        let changed = self.motion.receive_units(access_unit, units)?;
+        self.faded(changed)
+    }
+
+    /// Frames that change because some do: access units after them may fade from what they show.
+    fn faded(&self, changed: Range<usize>) -> Result<Range<usize>, StreamError> {
+        let Some(head) = self.motion.head() else {
+            return Ok(changed);
+        };
+        let elements = (head.frames * FAP_COUNT) as u64;
+        StreamLimits::check("the head", "elements", elements, self.limits.elements)?;
+        let rate = FrameRate::nearest(f64::from(head.rate_hz));
+        let fade = rate.map_or(0, |rate| self.options.fade_frames(rate));
+        let mut end = changed.end;
+        if !changed.is_empty() {
+            let before = changed.end as u64 * head.access_units as u64;
+            let after = before.div_ceil(head.frames as u64) as usize..head.access_units;
+            let mut starts = after.map(|number| head.frames_of(number).start);
+            while let Some(start) = starts.next().filter(|start| *start <= end) {
+                end = end.max((start + fade).min(head.frames));
+            }
         }
-        Ok(changed)
+        Ok(changed.start..end)
     }
 
     /// Returns the head, if it has arrived.
@@ -73,17 +117,18 @@ impl FaceReceiver {
         self.motion.head()
     }
 
-    /// Returns the number of frames that can be shown, from the first.
+    /// Returns the number of frames that can be shown, from the first: those before the first access
+    /// unit that is not there.
     pub fn frames(&self) -> usize {
         self.motion.frames()
     }
 
-    /// Returns whether every access unit has arrived whole.
+    /// Returns whether every access unit is there, and none is still arriving in the order of the bytes.
     pub fn is_whole(&self) -> bool {
         self.motion.is_whole()
     }
 
-    /// Returns the frames received so far, from the first.
+    /// Returns the frames up to the last access unit that is there.
     ///
     /// # Errors
     /// A [`StreamError`] if the head has not arrived, has a rate that no face has, or a field of FAP 1
@@ -110,8 +155,12 @@ impl FaceReceiver {
         }
         let mut before = [false; FAP_COUNT];
         for access_unit in self.motion.access_units() {
-            let mut is_there = faps_in(&access_unit, head);
-            if !access_unit.is_whole {
+            let gap = decoding.frames.len()..access_unit.frames.start;
+            if !gap.is_empty() {
+                decoding.add(&before, gap)?;
+            }
+            let mut is_there = faps_in(&access_unit.has_values, head);
+            if access_unit.is_arriving {
                 for (is_there, before) in is_there.iter_mut().zip(before) {
                     *is_there |= before;
                 }
@@ -131,11 +180,14 @@ impl FaceReceiver {
     }
 }
 
-/// The FAPs (index 0 is FAP 1) that have units in an access unit.
-fn faps_in(access_unit: &AccessUnit, head: &MotionHead) -> [bool; FAP_COUNT] {
-    let numbers = access_unit.units.iter();
-    let groups = numbers.filter_map(|unit| unit.group.checked_sub(head.groups.len()));
-    let groups: Vec<_> = groups.map(|at| head.morph_groups[at]).collect();
+/// The FAPs (index 0 is FAP 1) of the groups that have values.
+fn faps_in(has_values: &[bool], head: &MotionHead) -> [bool; FAP_COUNT] {
+    let of_morphs = has_values.iter().skip(head.groups.len());
+    let groups = head.morph_groups.iter().zip(of_morphs);
+    let groups: Vec<_> = groups
+        .filter(|(_, has)| **has)
+        .map(|(group, _)| *group)
+        .collect();
     faps_of(&groups)
 }
 

@@ -173,6 +173,21 @@ impl MeshStream {
         Some(start..start + self.entries[at].0 as usize)
     }
 
+    /// Level, object and bytes of all chunks, in the order of the bytes.
+    pub(super) fn chunks(&self) -> impl Iterator<Item = (usize, usize, Range<u64>)> {
+        let levels = (0..self.levels.levels.len()).rev();
+        let objects = self.objects.len();
+        let places = levels.flat_map(move |level| (0..objects).map(move |o| (level, o)));
+        let mut at = self.head_bytes as u64;
+        places
+            .zip(&self.entries)
+            .map(move |((level, object), entry)| {
+                let start = at;
+                at += u64::from(entry.0);
+                (level, object, start..at)
+            })
+    }
+
     /// Index of a chunk in the order of the bytes, which begin with the coarsest level.
     fn place(&self, level: usize, object: usize) -> usize {
         (self.levels.levels.len() - 1 - level) * self.objects.len() + object

@@ -4,6 +4,8 @@ use super::codec::{QuantisedMesh, decode_level};
 use super::head::MeshStream;
 use crate::{StreamError, StreamLimits};
 use articula_core::{Cluster, ClusteredTriangles, Clusters, Mismatch};
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Received data of one object.
 #[derive(Debug, Clone, Default)]
@@ -16,7 +18,8 @@ struct Held {
 
 /// Receives, checks and decodes the chunks of a stream, and assembles the objects.
 ///
-/// An object is refined level by level with [`Self::refine`]. Drawing a coarser level needs no
+/// An object is refined level by level with [`Self::refine`], or by [`Self::receive_at`] with chunks in
+/// any order. Drawing a coarser level needs no
 /// data; [`Self::coarsen`] frees memory. A chunk that does not match the head changes nothing.
 ///
 /// The vertices of a level are a prefix of those of every finer level and keep their indices.
@@ -26,6 +29,8 @@ pub struct Receiver {
     stream: MeshStream,
     limits: StreamLimits,
     held: Vec<Held>,
+    /// Chunks that wait for a coarser one, by object and level.
+    waiting: BTreeMap<(usize, usize), Vec<u8>>,
 }
 
 impl Receiver {
@@ -36,6 +41,7 @@ impl Receiver {
             stream,
             limits,
             held,
+            waiting: BTreeMap::new(),
         }
     }
 
@@ -89,30 +95,111 @@ impl Receiver {
         (there > 0).then(|| self.stream.levels.levels.len() - there)
     }
 
-    /// Decodes the next chunk of an object, for the level [`Self::next_level`].
+    /// Decodes the next chunk of an object, for the level [`Self::next_level`], and those that waited for
+    /// it.
     ///
     /// # Errors
     /// [`StreamError::Mismatch`] if there is no such object or no further level,
     /// [`StreamError::Malformed`] if the bytes do not match the hash in the head or are not valid
-    /// code, [`StreamError::LimitExceeded`]. On an error the receiver is unchanged.
+    /// code, [`StreamError::LimitExceeded`]. On an error the receiver is unchanged, unless the fault is in
+    /// a chunk that waited, which is dropped.
     pub fn refine(&mut self, object: usize, chunk: &[u8]) -> Result<(), StreamError> {
         let Some(level) = self.next_level(object) else {
             let what = "all chunks of the object are already received";
             return Err(Mismatch::new(format!("object {object}"), what).into());
         };
-        let number = self.stream.finest_level + level;
-        if !self.stream.names(level, object, chunk) {
-            let place = format!("chunk of level {number}, object {object}");
-            let what = "the bytes do not match the hash in the head; fetch the chunk again";
-            return Err(StreamError::malformed(place, what));
+        self.check(level, object, chunk)?;
+        self.decode(object, chunk)?;
+        self.waiting.remove(&(object, level));
+        self.go_on(object)
+    }
+
+    /// Takes whole chunks of the stream from byte `offset` on, in any order and also again, and returns
+    /// the objects that were refined, rising. A chunk waits until the next coarser level of its object is
+    /// there: the result does not depend on the order.
+    ///
+    /// # Errors
+    /// [`StreamError::Mismatch`] if the bytes are not whole chunks, [`StreamError::Malformed`] if they do
+    /// not match the hash in the head, with which the receiver is unchanged. A chunk that is not valid
+    /// code, or exceeds the limits, is an error once it is decoded; it is dropped, others are taken.
+    pub fn receive_at(&mut self, offset: u64, bytes: &[u8]) -> Result<Vec<usize>, StreamError> {
+        let mut chunks = self.chunks(offset, bytes)?;
+        for (level, object, chunk) in &chunks {
+            self.check(*level, *object, &bytes[chunk.clone()])?;
         }
+        chunks.retain(|(level, object, _)| {
+            let next = self.next_level(*object);
+            next.is_some_and(|next| *level <= next)
+        });
+        let mut refined = Vec::new();
+        for (level, object, chunk) in chunks {
+            self.waiting.insert((object, level), bytes[chunk].to_vec());
+            refined.push(object);
+        }
+        refined.sort_unstable();
+        refined.dedup();
+        let mut done = Ok(());
+        refined.retain(|object| {
+            let before = self.next_level(*object);
+            let went_on = self.go_on(*object);
+            if done.is_ok() {
+                done = went_on;
+            }
+            self.next_level(*object) != before
+        });
+        done.map(|()| refined)
+    }
+
+    /// The chunks that bytes from `offset` on hold: level, object, place in the bytes.
+    fn chunks(
+        &self,
+        offset: u64,
+        bytes: &[u8],
+    ) -> Result<Vec<(usize, usize, Range<usize>)>, StreamError> {
+        let end = offset.saturating_add(bytes.len() as u64);
+        let mut found = Vec::new();
+        let mut at = offset;
+        for (level, object, chunk) in self.stream.chunks() {
+            if chunk.start == at && !chunk.is_empty() && chunk.end <= end {
+                let within = |byte: u64| (byte - offset) as usize;
+                found.push((level, object, within(chunk.start)..within(chunk.end)));
+                at = chunk.end;
+            }
+        }
+        if at < end {
+            let what = format!("bytes {at} to {end} of the stream are not whole chunks");
+            return Err(Mismatch::new("chunks", what).into());
+        }
+        Ok(found)
+    }
+
+    /// Decodes what waits for the levels that an object has. A chunk at fault is dropped.
+    fn go_on(&mut self, object: usize) -> Result<(), StreamError> {
+        while let Some(level) = self.next_level(object)
+            && let Some(chunk) = self.waiting.remove(&(object, level))
+        {
+            self.decode(object, &chunk)?;
+        }
+        Ok(())
+    }
+
+    /// Checks the hash of a chunk.
+    fn check(&self, level: usize, object: usize, chunk: &[u8]) -> Result<(), StreamError> {
+        if self.stream.names(level, object, chunk) {
+            return Ok(());
+        }
+        let number = self.stream.finest_level + level;
+        let place = format!("chunk of level {number}, object {object}");
+        let what = "the bytes do not match the hash in the head; fetch the chunk again";
+        Err(StreamError::malformed(place, what))
+    }
+
+    /// Decodes the next chunk of an object.
+    fn decode(&mut self, object: usize, chunk: &[u8]) -> Result<(), StreamError> {
         let held = &mut self.held[object];
         let layout = &self.stream.objects[object].layout;
-        let mesh = if held.levels.is_empty() {
-            decode_level(None, chunk, layout, &self.limits)?
-        } else {
-            decode_level(Some(&held.mesh), chunk, layout, &self.limits)?
-        };
+        let coarser = (!held.levels.is_empty()).then_some(&held.mesh);
+        let mesh = decode_level(coarser, chunk, layout, &self.limits)?;
         held.levels
             .push((mesh.points(), mesh.wedges(), mesh.faces.clone()));
         held.mesh = mesh;
@@ -123,6 +210,8 @@ impl Receiver {
     /// coarsest frees the whole object. Drawing a coarser level needs no call: its ranges are in
     /// [`Self::triangles`].
     pub fn coarsen(&mut self, object: usize, finest: usize) {
+        self.waiting
+            .retain(|(of, level), _| *of != object || *level >= finest);
         let levels = self.stream.levels.levels.len().saturating_sub(finest);
         let Some(held) = self.held.get_mut(object) else {
             return;

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 /// The levels of a small reference human: two objects, skin in two tones.
-fn levels() -> &'static (LevelTable, Vec<ObjectLevels>) {
+pub(crate) fn levels() -> &'static (LevelTable, Vec<ObjectLevels>) {
     static LEVELS: OnceLock<(LevelTable, Vec<ObjectLevels>)> = OnceLock::new();
     LEVELS.get_or_init(|| {
         let made = mesh_levels(asset(), &MeshLevelOptions::default()).unwrap();

@@ -19,6 +19,8 @@ mod descriptions;
 mod fba;
 mod fba_judged;
 mod flipped_bits;
+mod increments;
+mod mesh_increments;
 mod mesh_levels;
 mod motion_stream;
 mod mp4;
