@@ -115,7 +115,8 @@ pub struct Decision {
     /// next step of a part.
     pub bounds: Vec<Bound>,
     /// Where the parts are not chosen: the fewest bytes within the window that they need in the time per
-    /// frame, the memory and the limits; `None` if no number of bytes is enough.
+    /// frame and the limits; `None` if no number of bytes is enough. Where memory binds, a number that is
+    /// enough.
     pub least_bytes: Option<u64>,
     /// What each part got; empty for another representation.
     pub parts: Vec<PartDecision>,

@@ -100,6 +100,57 @@ fn a_decision_says_what_bound_it_and_what_comes_next() {
 }
 
 #[test]
+fn what_limits_is_what_prevents_the_next_steps() {
+    let mut dice = articula_mutate::Dice::new(44);
+    for case in 0..2000 {
+        let mut parts = parts();
+        for part in &mut parts {
+            part.weight = [0.0, 1.0, 1.0, 2.0][dice.roll(4)];
+            for option in &mut part.options {
+                option.memory_bytes = dice.roll(5000) as u64;
+            }
+        }
+        let (bytes, ns) = (dice.roll(30_000) as u64, dice.roll(1_500_000) as u64);
+        let preferences = [preference(Rule::FinestLevel(dice.roll(3) as u32), false)];
+        let mut of = request(&parts, bytes, ns);
+        of.preferences = &preferences[..dice.roll(2)];
+        of.choice.enough_px = [0.0, 2.0, 8.0][dice.roll(3)];
+        of.choice.budget.memory_bytes = [Budget::UNBOUNDED, 4000][dice.roll(2)];
+        let decision = decide(&of).unwrap();
+        for part in &decision.parts {
+            for bound in part.next.iter().flat_map(|next| &next.bounds) {
+                assert!(decision.bounds.contains(bound), "{case}: {decision}");
+            }
+        }
+        // At the least error there is no next step.
+        let has_next = decision.parts.iter().any(|part| part.next.is_some());
+        let is_3d = matches!(decision.outcome, Outcome::Parts(_));
+        assert!(
+            !is_3d || has_next != decision.bounds.is_empty(),
+            "{case}: {decision}"
+        );
+        if is_3d {
+            continue;
+        }
+        // The least bytes are enough, and one fewer is not.
+        let Some(least) = decision.least_bytes else {
+            of.choice.budget.bytes = Budget::UNBOUNDED;
+            assert_eq!(decide(&of).unwrap().outcome, Outcome::Nothing, "{case}");
+            continue;
+        };
+        assert!(least > bytes, "{case}: {decision}");
+        of.choice.budget.bytes = least;
+        assert_ne!(decide(&of).unwrap().outcome, Outcome::Nothing, "{case}");
+        if of.choice.budget.memory_bytes < Budget::UNBOUNDED {
+            // Memory is kept without a proof of the least.
+            continue;
+        }
+        of.choice.budget.bytes = least - 1;
+        assert_eq!(decide(&of).unwrap().outcome, Outcome::Nothing, "{case}");
+    }
+}
+
+#[test]
 fn limits_hold_and_wishes_give_way() {
     let parts = parts();
     let preferences = [

@@ -158,26 +158,25 @@ impl<'a> Maker<'a> {
         let flat = |framed: &FramedCharacter<'a>, settings: &Settings| {
             flatten(framed, PrepareClipOptions::default(), settings, self.work)
         };
-        let mut made = flat(&framed, &settings)?;
+        let mut best = flat(&framed, &settings)?;
+        let mut last = best.clone();
+        // Coarser tolerances save about a half at first, fewer triangles the rest.
+        let mut saved = if last.frames > 1 { SAVED } else { 1.0 };
         for _ in 0..ATTEMPTS {
-            let (raw, sent) = (made.sizes.raw as f64, made.sizes.brotli);
-            let share = most as f64 / sent.max(1) as f64;
-            if share >= 1.0 {
+            let share = AIM * most as f64 / best.sizes.brotli.max(1) as f64;
+            if best.sizes.brotli <= most {
                 break;
             }
-            settings.max_bytes = Some((AIM * raw * share) as u64);
-            // Coarser tolerances save about a half, fewer triangles the rest.
-            let tolerances = if made.frames > 1 { SAVED } else { 1.0 };
-            let triangles = made.triangles_drawn as f64;
-            let wanted = (triangles * (AIM * share * tolerances).min(1.0)) as usize;
-            framed = framed.with_triangles(wanted.max(FEWEST))?;
-            let next = flat(&framed, &settings)?;
-            if next.sizes.brotli >= sent {
-                break;
+            settings.max_bytes = Some((share * best.sizes.raw.min(last.sizes.raw) as f64) as u64);
+            let wanted = last.triangles_drawn as f64 * (share * saved).min(1.0);
+            saved = 1.0;
+            framed = framed.with_triangles((wanted as usize).max(FEWEST))?;
+            last = flat(&framed, &settings)?;
+            if last.sizes.brotli < best.sizes.brotli {
+                best = last.clone();
             }
-            made = next;
         }
-        Ok(made)
+        Ok(best)
     }
 
     fn entry(&self, made: Flattened, clip: Option<String>, moved_px: f64) -> Form {

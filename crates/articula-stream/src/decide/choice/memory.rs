@@ -42,7 +42,11 @@ pub(super) fn within(
             let over = |c: &Choice| c.memory_bytes.saturating_sub(most);
             let is_less = over(a) < choice.memory_bytes - most;
             let other = over(b) < choice.memory_bytes - most;
-            let by_error = a.error_px.total_cmp(&b.error_px);
+            // What is not seen does not count.
+            let by_error = match (a.is_enough, b.is_enough) {
+                (true, true) => a.bytes.cmp(&b.bytes),
+                (a_is, b_is) => b_is.cmp(&a_is).then(a.error_px.total_cmp(&b.error_px)),
+            };
             other
                 .cmp(&is_less)
                 .then(by_error)

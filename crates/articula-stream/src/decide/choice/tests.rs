@@ -228,6 +228,38 @@ fn forty_options_of_eight_parts_are_proved_within_a_percent() {
 }
 
 #[test]
+fn memory_is_kept_where_any_choice_keeps_it() {
+    let mut dice = Dice::new(7);
+    let (mut found, mut ratios) = (0, Vec::new());
+    for seed in 0..300 {
+        let (mut parts, mut request) = case(&[4, 5, 3], true, seed);
+        for part in &mut parts {
+            // Memory rises with the quality, as that of textures does, or not.
+            let rises = dice.roll(3) > 0;
+            for (i, option) in part.options.iter_mut().enumerate() {
+                let base = if rises { 100 << i } else { 500 };
+                option.memory_bytes = base + dice.roll(300) as u64;
+            }
+        }
+        request.budget.memory_bytes = 500 + dice.roll(3000) as u64;
+        let best = choose_exhaustively(&parts, &request, 100).unwrap();
+        let choice = choose(&parts, &request).unwrap();
+        if let Some(choice) = &choice {
+            assert!(choice.fits(&request.budget), "{seed}: {choice:?}");
+        }
+        let (Some(best), Some(choice)) = (best, choice) else {
+            continue;
+        };
+        found += 1;
+        assert!(choice.bound_px <= best.error_px * (1.0 + 1e-9), "{seed}");
+        ratios.push(choice.error_px / best.error_px);
+    }
+    assert!(found > 100, "{found}");
+    let close = ratios.iter().filter(|ratio| **ratio < 1.0 + 1e-9).count();
+    assert!(close * 10 > found * 8, "{close} of {found} are the best");
+}
+
+#[test]
 fn what_is_not_seen_saves_bytes() {
     for seed in 0..400 {
         let (parts, request) = case(&[6, 5, 4], seed % 2 == 0, seed);
