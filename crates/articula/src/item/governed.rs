@@ -52,11 +52,12 @@ impl ItemPart {
     /// outermost unit that belongs to a layer counts for the first one, the base has the rest.
     pub(super) fn charge(&mut self, unit: &Unit, bytes: usize) {
         let bits = charged(unit, &self.layers);
-        let is_aligned = |bits: &Range<u64>| bits.start % 8 == 0 && bits.end % 8 == 0;
+        let is_aligned =
+            |bits: &Range<u64>| bits.start.is_multiple_of(8) && bits.end.is_multiple_of(8);
         let are_bytes = bits.iter().flatten().all(is_aligned);
         let ranges_of = |bits: Vec<Range<u64>>| if are_bytes { ranges(bits) } else { Vec::new() };
         self.bytes = bytes as u64;
-        let of_layers = bits.iter().flatten().map(|bits| bits_to_bytes(bits));
+        let of_layers = bits.iter().flatten().map(bits_to_bytes);
         self.base_bytes = self.bytes.saturating_sub(of_layers.sum());
         let all: Vec<Range<u64>> = bits.iter().flatten().cloned().collect();
         self.base_ranges = ranges_of(between(all, 8 * self.bytes));
@@ -113,7 +114,7 @@ fn between(mut others: Vec<Range<u64>>, end: u64) -> Vec<Range<u64>> {
     others.sort_unstable_by_key(|bits| bits.start);
     let mut at = 0;
     let mut found = Vec::new();
-    for other in others.into_iter().chain([end..end]) {
+    for other in others.into_iter().chain(std::iter::once(end..end)) {
         if at < other.start {
             found.push(at..other.start);
         }
