@@ -79,6 +79,13 @@ fn an_item_is_cut_to_its_context_by_both_engines() {
         !zones.is_empty() && !zones.iter().any(|zone| zone == "legs"),
         "{zones:?}"
     );
+    let words = native["decision"]["explanation"].as_str().unwrap();
+    assert!(words.contains("without pelvis, legs: as asked"), "{words}");
+    assert!(error(&native) > error(&whole) + 10.0);
+    let one = json(&here, &["adapt", "robot", "one", "--clip", "Robot_Walking"]);
+    assert_eq!(one["bytes_out"], whole["bytes_out"]);
+    let why = fault(&here, 2, &["adapt", "robot", "--clip", "fly"]);
+    assert!(why.contains("Robot_Walking"), "{why}");
     if !is_here("xsltproc", "--version") {
         assert!(!is_required("ARTICULA_REQUIRE_TOOLS"), "no xsltproc");
         return;
@@ -175,6 +182,10 @@ fn contexts_tables_and_descriptions_are_read_and_written() {
     assert!(why.contains("the item itself"), "{why}");
     let why = fault(&here, 1, &["adapt", "robot", "out", "--max-bytes", "10"]);
     assert!(why.contains("allow more bytes"), "{why}");
+    assert!(why.contains("the least is "), "{why}");
+    let slow = ["adapt", "robot", "--bandwidth-kbps", "1"];
+    let why = fault(&here, 1, &slow);
+    assert!(why.contains(" s at this bandwidth"), "{why}");
     std::fs::write(here.join("bad.xml"), b"<!DOCTYPE x><DIA/>").unwrap();
     let why = fault(&here, 1, &["adapt", "robot", "--context", "bad.xml"]);
     assert!(why.contains("bad.xml"), "{why}");

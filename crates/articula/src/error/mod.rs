@@ -77,6 +77,12 @@ impl Error {
         }
     }
 
+    /// Whether the caller stopped the work.
+    #[cfg(feature = "item")]
+    pub(crate) fn is_cancelled(&self) -> bool {
+        matches!(self.cause(), Self::Cancelled)
+    }
+
     /// Returns the innermost error, without its locations.
     pub fn cause(&self) -> &Self {
         match self {

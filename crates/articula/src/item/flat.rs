@@ -7,7 +7,7 @@ use super::files::NewFiles;
 use super::manifest::FlatEntry;
 use super::name::Names;
 use super::options::PackageOptions;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::figure::Figure;
 use crate::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
 use crate::work::Executor;
@@ -42,7 +42,7 @@ pub(super) struct Forms {
 /// warning.
 ///
 /// # Errors
-/// [`Error::Cancelled`], and names that two files of the item have.
+/// [`Error::Cancelled`](crate::Error::Cancelled), and names that two files of the item have.
 pub(super) fn forms(
     figure: &Figure,
     clip: Option<usize>,
@@ -82,7 +82,7 @@ pub(super) fn forms(
                     ..entry
                 });
             }
-            Err(Error::Cancelled) => return Err(Error::Cancelled),
+            Err(error) if error.is_cancelled() => return Err(error),
             Err(error) => forms.warnings.push(format!("2D: no {what}: {error}")),
         }
     }

@@ -79,7 +79,14 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         let of_clip = &figure.asset.clips[*clip].name;
         let stem = names.stem("clips", of_clip, "clip");
         let part = motion_part::part(&figure, *clip, (&stem, &options.motion), &mut files, work);
-        parts.push(part.with_context(|| format!("clip \"{of_clip}\""))?);
+        match part.with_context(|| format!("clip \"{of_clip}\"")) {
+            Ok(part) => parts.push(part),
+            // Nobody asked for this one.
+            Err(error) if options.clips.is_empty() && !error.is_cancelled() => {
+                warnings.push(format!("{error}; the clip is left out"));
+            }
+            Err(error) => return Err(error),
+        }
     }
     for motion in &options.faces {
         let wanted = Path::new(&motion.file).file_stem().unwrap_or_default();
@@ -87,9 +94,9 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
         let named = (stem.as_str(), &options.face);
         parts.push(face_part::part(&figure, motion, named, &mut files, work)?);
     }
-    parts.extend(texture_part::parts(
-        &figure, &stripped, options, &mut files, work,
-    )?);
+    let textures = texture_part::parts(&figure, &stripped, options, &mut files, work)?;
+    parts.extend(textures.parts);
+    warnings.extend(textures.warnings);
     let whole = carried(options, &mut files)?;
     let entry = FigureEntry {
         file: FIGURE.to_owned(),

@@ -29,6 +29,13 @@ struct Sizes {
     files: Vec<(Vec<u8>, [u32; 2])>,
 }
 
+/// Textures, and which could not be made.
+#[derive(Debug, Default)]
+pub(super) struct Textures {
+    pub(super) parts: Vec<ItemPart>,
+    pub(super) warnings: Vec<String>,
+}
+
 /// Adds the textures that the figure does not hold.
 pub(super) fn parts(
     figure: &Figure,
@@ -36,24 +43,32 @@ pub(super) fn parts(
     options: &PackageOptions,
     files: &mut NewFiles,
     work: &Executor<'_>,
-) -> Result<Vec<ItemPart>> {
+) -> Result<Textures> {
     let character = figure.opened.character();
     let images = character.images.iter().enumerate();
     let images = images.filter(|(i, _)| stripped.is_replaced.get(*i) == Some(&true));
     let images: Vec<(usize, &Image)> = images.collect();
     let holds_colors = |i: usize| stripped.holds_colors.get(i) != Some(&false);
     let sized = work.map("reducing textures", images, |(i, image)| {
-        sizes(i, image, holds_colors(i), options)
+        Ok((i, sizes(i, image, holds_colors(i), options)))
     })?;
     let scene = Scene::new(figure, options)?;
     let mut names = Names::default();
-    let mut parts = Vec::with_capacity(sized.len());
-    for sizes in sized {
-        let name = &character.images[sizes.image].name;
-        let stem = names.stem("textures", name, &format!("picture-{}", sizes.image));
-        parts.push(part(&scene, sizes, &stem, files, work)?);
+    let mut textures = Textures::default();
+    for (image, sizes) in sized {
+        let name = &character.images[image].name;
+        let stem = names.stem("textures", name, &format!("picture-{image}"));
+        match sizes {
+            Ok(sizes) => textures
+                .parts
+                .push(part(&scene, sizes, &stem, files, work)?),
+            Err(error) => {
+                let what = format!("picture {image}: one pixel stands for it: {error}");
+                textures.warnings.push(what);
+            }
+        }
     }
-    Ok(parts)
+    Ok(textures)
 }
 
 /// The original of a picture, and halves of it as PNG. A size that needs no fewer bytes than a larger
