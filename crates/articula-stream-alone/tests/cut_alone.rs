@@ -3,7 +3,9 @@
 //! A stored motion stream is cut by its stored index, and by hand after `docs/formats/abp2.md`.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use articula_stream::{CutRule, Meaning, Unit, cut, read_index, write_index};
+use articula_stream::{
+    ByteRanges, CutRule, Meaning, Unit, cut, difference, read_index, selected, write_index,
+};
 
 const STREAM: &[u8] = include_bytes!("../../articula-stream/tests/golden/walk.abp");
 const INDEX: &[u8] = include_bytes!("../../articula-stream/tests/golden/walk.auix");
@@ -73,6 +75,30 @@ fn a_stored_stream_is_cut_by_its_index() {
         part.bytes,
         by_hand(STREAM, |joint, _| [3, 14, 15].contains(&joint))
     );
+}
+
+#[test]
+fn a_stored_stream_is_fetched_tier_by_tier_by_its_index() {
+    let map = read_index(INDEX).unwrap();
+    let mut have = ByteRanges::default();
+    let mut fetched = vec![0_u8; STREAM.len()];
+    for tier in (0..TIERS).rev() {
+        let rule = CutRule::default().at_least("tier", tier as u32);
+        let want = selected(&map, |unit| rule.keeps(unit)).unwrap();
+        // As many bytes as the cut has, whose lengths are other numbers.
+        let by_hand = by_hand(STREAM, |_, t| t >= tier);
+        assert_eq!(want.bytes(), by_hand.len() as u64);
+        for range in difference(&have, &want).ranges() {
+            let bytes = range.start as usize..range.end as usize;
+            fetched[bytes].iter_mut().for_each(|times| *times += 1);
+        }
+        have = have.union(&want);
+    }
+    assert!(fetched.iter().all(|times| *times == 1));
+    // The finest units are the last of each access unit: one range for each, the first with the head.
+    let coarse = selected(&map, |unit| unit.marker("tier") != Some(0)).unwrap();
+    assert_eq!(coarse.ranges().len(), map.children.len() - 1);
+    assert_eq!(difference(&have, &coarse).ranges(), []);
 }
 
 /// Gives every label, field and scheme another name.
