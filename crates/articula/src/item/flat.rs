@@ -19,6 +19,8 @@ const FPS: f32 = 12.0;
 /// Triangles of a form, and the fewest.
 const TRIANGLES: usize = 600;
 const FEWEST: usize = 50;
+/// Frames for which so many triangles are about small enough.
+const FRAMES: usize = 60;
 /// Intervals of a clip between the moments at which a still is compared with it.
 const COMPARED: u32 = 32;
 /// Most bytes of the animated picture and of the still as they are sent, compressed.
@@ -58,9 +60,9 @@ pub(super) fn forms(
     };
     let mut forms = Forms::default();
     let framed = maker.framed();
-    let made = framed.and_then(|framed| {
+    let made = framed.map(|framed| {
         let moving = clip.map(|_| maker.moving(&framed));
-        Ok((moving, maker.still(&framed)))
+        (moving, maker.still(&framed))
     });
     let (moving, still) = match made {
         Ok((moving, still)) => (moving, still),
@@ -122,7 +124,13 @@ impl<'a> Maker<'a> {
     }
 
     fn moving(&self, framed: &FramedCharacter<'a>) -> Result<Form> {
-        let made = self.within(framed.clone(), Profile::Smil, MOST_MOVING)?;
+        let frames = framed.frame_times_secs.len();
+        let first = match frames > FRAMES {
+            // Bytes are about in proportion to triangles and frames.
+            true => framed.with_triangles((TRIANGLES * FRAMES / frames).max(FEWEST))?,
+            false => framed.clone(),
+        };
+        let made = self.within(first, Profile::Smil, MOST_MOVING)?;
         let clip = self.of_clip().map(|clip| clip.name.clone());
         Ok(self.entry(made, clip, 0.0))
     }

@@ -100,15 +100,7 @@ pub(super) fn decide_among(
     }
     let regions = Regions::of(&context.preferences);
     let item = &regions.applied(item)?;
-    let unbounded = UNBOUNDED as f64;
-    let assumed = Assumptions {
-        bits_per_second: 8.0 * unbounded / options.wait_secs,
-        window_secs: options.wait_secs,
-        frame_ns: UNBOUNDED,
-        distance_m: DISTANCE_M,
-        ..Assumptions::default()
-    };
-    let mut request = ChoiceRequest::of_context(context, &assumed);
+    let mut request = ChoiceRequest::of_context(context, &assumptions(options));
     let mut parts = ItemParts::of(item, context, options, request.pixels_per_metre, scope);
     weigh_parts(&mut parts.parts, context);
     let sent_bytes = |file: &String| item.manifest.sent_bytes(file);
@@ -132,10 +124,9 @@ pub(super) fn decide_among(
         window_secs: options.wait_secs,
         content_bits: 8.0 * item.sent_bytes_of_layers() as f64,
     });
-    let terminal = &context.terminal;
     let representations: Vec<Representation> = representations(item, allowed, whole);
     let needs = needs(item);
-    let capabilities = match terminal.codecs.as_slice() {
+    let capabilities = match context.terminal.codecs.as_slice() {
         // Nothing is known: everything is supported.
         [] => {
             let all = representations.iter().flat_map(|form| &form.needs);
@@ -183,6 +174,17 @@ pub(super) fn decide_among(
         bytes_allowed: (allowed < UNBOUNDED).then_some(allowed),
         network_ratio: network.map(|n| n.ratio()),
     })
+}
+
+/// What counts where the context says nothing: no bound, and the usual distance.
+fn assumptions(options: &AdaptOptions) -> Assumptions {
+    Assumptions {
+        bits_per_second: 8.0 * UNBOUNDED as f64 / options.wait_secs,
+        window_secs: options.wait_secs,
+        frame_ns: UNBOUNDED,
+        distance_m: DISTANCE_M,
+        ..Assumptions::default()
+    }
 }
 
 /// The fewest bytes of anything that the client shows.

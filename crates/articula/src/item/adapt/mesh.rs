@@ -67,28 +67,7 @@ pub(super) fn options(
     let Some(base) = common.last().map(|i| &part.layers[*i]) else {
         return options;
     };
-    // Each region: at the base, and at its finer levels.
-    let mut regions: BTreeMap<u32, Vec<Step>> = BTreeMap::new();
-    for (i, layer) in numbered().filter(|(_, layer)| has_region(layer)) {
-        let region = layer.keep.get("region").copied().unwrap_or(0);
-        let steps = regions.entry(region).or_insert_with(|| {
-            vec![Step {
-                layer: common[common.len() - 1],
-                level: level(base),
-                error_m: base.error_m,
-                triangles: 0,
-                vertices: 0,
-            }]
-        });
-        steps.push(Step {
-            layer: i,
-            level: level(layer),
-            error_m: layer.error_alone_m.unwrap_or(layer.error_m),
-            // All others are at the level that the layer builds on.
-            triangles: triangles(layer) as i64 - triangles(base) as i64,
-            vertices: vertices(layer) as i64 - vertices(base) as i64,
-        });
-    }
+    let regions = steps_of_regions(part, common[common.len() - 1]);
     let names: BTreeMap<u32, &str> = part.regions.iter().map(|r| (r.number, &*r.name)).collect();
     for mix in mixes(&regions.values().map(Vec::len).collect::<Vec<_>>()) {
         let steps: Vec<(u32, Step)> = regions
@@ -115,6 +94,37 @@ pub(super) fn options(
         });
     }
     options
+}
+
+/// Each region: at the base, a layer of all regions, and at its finer levels.
+fn steps_of_regions(part: &ItemPart, base: usize) -> BTreeMap<u32, Vec<Step>> {
+    let count = |n: Option<u64>| n.unwrap_or(0) as i64;
+    let level = |layer: &ItemLayer| layer.keep.get("level").copied().unwrap_or(0);
+    let below = &part.layers[base];
+    let mut regions: BTreeMap<u32, Vec<Step>> = BTreeMap::new();
+    for (i, layer) in part.layers.iter().enumerate() {
+        let Some(region) = layer.keep.get("region") else {
+            continue;
+        };
+        let steps = regions.entry(*region).or_insert_with(|| {
+            vec![Step {
+                layer: base,
+                level: level(below),
+                error_m: below.error_m,
+                triangles: 0,
+                vertices: 0,
+            }]
+        });
+        steps.push(Step {
+            layer: i,
+            level: level(layer),
+            error_m: layer.error_alone_m.unwrap_or(layer.error_m),
+            // All others are at the level that the layer builds on.
+            triangles: count(layer.triangles) - count(below.triangles),
+            vertices: count(layer.vertices) - count(below.vertices),
+        });
+    }
+    regions
 }
 
 /// `level 1`, or the level of each region.
