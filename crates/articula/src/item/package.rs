@@ -5,6 +5,7 @@ use super::flat::Forms;
 use super::manifest::{FORMAT, FigureEntry, Manifest, VERSION, WholeFile};
 use super::name::Names;
 use super::options::PackageOptions;
+use super::part::ItemPart;
 use super::{face_part, figure, flat, mesh_part, motion_part, texture_part};
 use crate::error::{Context, Error, Result};
 use crate::face::FoundFace;
@@ -74,20 +75,10 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
     let stripped = figure::stripped(character, &character.meshes, gltf, &articulation)?;
     warnings.extend(stripped.left_out.iter().cloned());
 
+    let (motions, left_out) = motions(&figure, &clips, options, &mut files, work)?;
+    parts.extend(motions);
+    warnings.extend(left_out);
     let mut names = Names::default();
-    for clip in &clips {
-        let of_clip = &figure.asset.clips[*clip].name;
-        let stem = names.stem("clips", of_clip, "clip");
-        let part = motion_part::part(&figure, *clip, (&stem, &options.motion), &mut files, work);
-        match part.with_context(|| format!("clip \"{of_clip}\"")) {
-            Ok(part) => parts.push(part),
-            // Nobody asked for this one.
-            Err(error) if options.clips.is_empty() && !error.is_cancelled() => {
-                warnings.push(format!("{error}; the clip is left out"));
-            }
-            Err(error) => return Err(error),
-        }
-    }
     for motion in &options.faces {
         let wanted = Path::new(&motion.file).file_stem().unwrap_or_default();
         let stem = names.stem("faces", &wanted.to_string_lossy(), "face");
@@ -126,6 +117,32 @@ fn packaged(opened: CharacterFile, options: &PackageOptions, work: &Executor<'_>
     };
     manifest.round_errors();
     Ok(Item::new(manifest, files.0))
+}
+
+/// The motions of these clips, and a warning for each that is left out.
+fn motions(
+    figure: &Figure,
+    clips: &[usize],
+    options: &PackageOptions,
+    files: &mut NewFiles,
+    work: &Executor<'_>,
+) -> Result<(Vec<ItemPart>, Vec<String>)> {
+    let (mut parts, mut left_out) = (Vec::with_capacity(clips.len()), Vec::new());
+    let mut names = Names::default();
+    for clip in clips {
+        let of_clip = &figure.asset.clips[*clip].name;
+        let stem = names.stem("clips", of_clip, "clip");
+        let part = motion_part::part(figure, *clip, (&stem, &options.motion), files, work);
+        match part.with_context(|| format!("clip \"{of_clip}\"")) {
+            Ok(part) => parts.push(part),
+            // Nobody asked for this one.
+            Err(error) if options.clips.is_empty() && !error.is_cancelled() => {
+                left_out.push(format!("{error}; the clip is left out"));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok((parts, left_out))
 }
 
 /// The clips of these names; all without names.
