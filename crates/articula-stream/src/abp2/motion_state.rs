@@ -38,6 +38,8 @@ struct Basis {
     bytes: Vec<u8>,
     read: ReadHead,
     table: TrackTable,
+    /// The groups that have tracks that move.
+    moving: Vec<usize>,
     shown: Shown,
 }
 
@@ -86,14 +88,18 @@ impl Basis {
 
     fn of(bytes: Vec<u8>, read: ReadHead, rig: &Rig, elements: u64) -> Result<Self, StreamError> {
         let table = TrackTable::read(&bytes, &read, rig)?;
-        let moving = table.of_group.iter().map(Vec::len).sum::<usize>();
-        let found = moving as u64 * read.head.frames as u64;
+        let tracks = table.of_group.iter().map(Vec::len).sum::<usize>();
+        let found = tracks as u64 * read.head.frames as u64;
         StreamLimits::check("the head", "values", found, elements)?;
+        let groups = table.of_group.iter().enumerate();
+        let moving = groups.filter(|(_, tracks)| !tracks.is_empty());
+        let moving = moving.map(|(group, _)| group).collect();
         let shown = Shown::new(&table, rig, read.head.frames);
         Ok(Self {
             bytes,
             read,
             table,
+            moving,
             shown,
         })
     }
@@ -130,13 +136,13 @@ impl Basis {
             } else if *number < self.read.head.pose_count() {
                 let clone = || (self.bytes.clone(), self.read.clone());
                 let (stored, read) = more.get_or_insert_with(clone);
-                let body_at = stored.len()..stored.len() + body.len();
-                stored.extend(body);
+                let start = *at as usize;
                 read.put(PosePlace {
                     number: *number,
-                    bytes: body_at.clone(),
-                    body: body_at,
+                    bytes: start..start + body.len(),
+                    body: stored.len()..stored.len() + body.len(),
                 });
+                stored.extend(body);
             }
         }
         more.map(|(bytes, read)| Self::of(bytes, read, rig, elements))
@@ -208,9 +214,12 @@ impl MotionState {
         self.arriving == Some(access_unit)
     }
 
-    /// Whether a group shows values of its own in an access unit.
-    pub(super) fn has_values(&self, access_unit: usize, group: usize) -> bool {
-        self.arrived.begins(self.head(), access_unit, group)
+    /// The groups that show values of their own in an access unit, rising.
+    pub(super) fn groups(&self, access_unit: usize) -> Vec<usize> {
+        let head = self.head();
+        let mut groups = self.arrived.groups(head, access_unit);
+        groups.retain(|group| self.arrived.begins(head, access_unit, *group));
+        groups
     }
 
     /// Takes bytes from `start` on; returns the frames that changed, and how many bytes were taken. On an
@@ -270,8 +279,8 @@ impl MotionState {
         ))
     }
 
-    /// Checks that the tiers of each group fall in the order of the bytes; returns those of the access
-    /// unit that is still arriving.
+    /// Checks that the tiers of each group fall in the order of the bytes, and that no unit of the head
+    /// comes twice; returns the tiers of the access unit that is still arriving.
     fn checked_order(
         &self,
         parts: &[Part],
@@ -279,6 +288,7 @@ impl MotionState {
     ) -> Result<BTreeMap<usize, usize>, StreamError> {
         let mut of = self.arriving;
         let mut finest = self.in_order.clone();
+        let mut of_head = BTreeSet::new();
         for part in parts {
             match part {
                 Part::Length { access_unit } => {
@@ -298,7 +308,12 @@ impl MotionState {
                         return Err(at_byte(*at, *access_unit, what));
                     }
                 }
-                Part::Unit { .. } => {}
+                Part::Unit { number, at, .. } => {
+                    if !of_head.insert(*number) {
+                        let what = format!("unit {number} of the head occurs twice");
+                        return Err(StreamError::malformed(format!("byte {at}"), what));
+                    }
+                }
             }
         }
         if of != arriving {
@@ -484,9 +499,14 @@ impl MotionState {
     /// Sets the frames of an access unit that is there by its units alone.
     fn decode(&mut self, access_unit: usize, redo: &Redo, rig: &Rig) -> Result<(), Fault> {
         let Self {
-            basis: Basis {
-                read, table, shown, ..
-            },
+            basis:
+                Basis {
+                    read,
+                    table,
+                    moving,
+                    shown,
+                    ..
+                },
             arrived,
             arriving,
             decoder,
@@ -499,9 +519,9 @@ impl MotionState {
             Redo::All => arrived.groups(head, access_unit).into_iter().collect(),
         };
         if matches!(redo, Redo::All) && *arriving != Some(access_unit) {
-            for (group, tracks) in table.of_group.iter().enumerate() {
-                if !arrived.begins(head, access_unit, group) {
-                    for track in tracks {
+            for group in moving.iter() {
+                if !arrived.begins(head, access_unit, *group) {
+                    for track in &table.of_group[*group] {
                         let place = (*track, &table.tracks[*track]);
                         shown.rest(place, frames.clone(), rig);
                     }
@@ -533,23 +553,28 @@ impl MotionState {
     fn follow(&mut self, first: usize, changed: usize, rig: &Rig) -> usize {
         let spans = self.spans(first);
         let Self {
-            basis: Basis {
-                read, table, shown, ..
-            },
+            basis:
+                Basis {
+                    read,
+                    table,
+                    moving,
+                    shown,
+                    ..
+                },
             arrived,
             arriving,
             ..
         } = self;
         let head = &read.head;
         let mut end = changed;
-        for (group, tracks) in table.of_group.iter().enumerate() {
+        for group in moving.iter() {
             let source = |access_unit: &Option<usize>| match access_unit {
                 None => Source::Before,
-                Some(number) if arrived.begins(head, *number, group) => Source::Values,
+                Some(number) if arrived.begins(head, *number, *group) => Source::Values,
                 Some(number) if *arriving == Some(*number) => Source::Before,
                 Some(_) => Source::Reference,
             };
-            for track in tracks {
+            for track in &table.of_group[*group] {
                 let spans = spans
                     .iter()
                     .map(|(frames, of)| (frames.clone(), source(of)));

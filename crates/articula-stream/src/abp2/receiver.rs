@@ -36,8 +36,8 @@ pub struct MotionReceiver {
 #[derive(Debug, Clone)]
 pub(crate) struct AccessUnitThere {
     pub(crate) frames: Range<usize>,
-    /// For each group whether it shows values of its own.
-    pub(crate) has_values: Vec<bool>,
+    /// The groups that show values of their own, rising.
+    pub(crate) groups: Vec<usize>,
     /// Whether it is arriving in the order of the bytes.
     pub(crate) is_arriving: bool,
 }
@@ -89,7 +89,7 @@ impl MotionReceiver {
     /// that they complete, and returns the frames that changed.
     ///
     /// The bytes must begin with a unit or the length of an access unit, as the ranges of
-    /// [`difference`](crate::difference()) do, or where bytes that were taken ended; those from 0 on must
+    /// [`difference`](crate::difference()) do, or where bytes that it took ended; those from 0 on must
     /// hold the head up to its first unit. Bytes wait until the head is there, and until the lengths of
     /// all access units before theirs are.
     ///
@@ -162,9 +162,7 @@ impl MotionReceiver {
         let head = state.head();
         let there = |number: usize| AccessUnitThere {
             frames: head.frames_of(number),
-            has_values: (0..head.group_count())
-                .map(|group| state.has_values(number, group))
-                .collect(),
+            groups: state.groups(number),
             is_arriving: state.is_arriving(number),
         };
         state.access_units().map(there).collect()

@@ -199,11 +199,16 @@ impl TrackTable {
         }
         let all = pose_tracks(head, rig);
         let mut units: Vec<Option<Vec<TrackPlace>>> = vec![None; all.len()];
-        for PosePlace { number, body, .. } in &read.poses {
+        for PosePlace {
+            number,
+            bytes,
+            body,
+        } in &read.poses
+        {
             let kinds: Vec<Kind> = all[*number].iter().map(|(kind, _)| *kind).collect();
             let forms = pose_unit::read(&stream[body.clone()], head.tiers, &kinds);
             let forms = forms.map_err(|what| {
-                StreamError::malformed(format!("byte {} (pose unit {number})", body.start), what)
+                StreamError::malformed(format!("byte {} (pose unit {number})", bytes.start), what)
             })?;
             let place = |((kind, target), form): (&(Kind, u16), TrackForm)| TrackPlace {
                 kind: *kind,

@@ -159,7 +159,7 @@ impl FaceReceiver {
             if !gap.is_empty() {
                 decoding.add(&before, gap)?;
             }
-            let mut is_there = faps_in(&access_unit.has_values, head);
+            let mut is_there = faps_in(&access_unit.groups, head);
             if access_unit.is_arriving {
                 for (is_there, before) in is_there.iter_mut().zip(before) {
                     *is_there |= before;
@@ -180,14 +180,12 @@ impl FaceReceiver {
     }
 }
 
-/// The FAPs (index 0 is FAP 1) of the groups that have values.
-fn faps_in(has_values: &[bool], head: &MotionHead) -> [bool; FAP_COUNT] {
-    let of_morphs = has_values.iter().skip(head.groups.len());
-    let groups = head.morph_groups.iter().zip(of_morphs);
-    let groups: Vec<_> = groups
-        .filter(|(_, has)| **has)
-        .map(|(group, _)| *group)
-        .collect();
+/// The FAPs (index 0 is FAP 1) of some groups.
+fn faps_in(groups: &[usize], head: &MotionHead) -> [bool; FAP_COUNT] {
+    let of_morphs = groups
+        .iter()
+        .filter_map(|group| group.checked_sub(head.groups.len()));
+    let groups: Vec<_> = of_morphs.map(|at| head.morph_groups[at]).collect();
     faps_of(&groups)
 }
 
