@@ -173,6 +173,19 @@ fn gathered(stream: &[u8], ranges: &[[u64; 2]]) -> Vec<u8> {
     slices.collect::<Vec<_>>().concat()
 }
 
+/// The ranges of a cut have the bytes that those of the whole stream have.
+fn check_ranges(
+    (whole, bytes, keep): (&ItemPart, &[u8], &[bool]),
+    (cut, of_cut): (&ItemPart, &[u8]),
+) {
+    let kept = whole.layers.iter().zip(keep).filter(|(_, keep)| **keep);
+    for ((before, _), after) in kept.zip(&cut.layers) {
+        let of_layer = gathered(bytes, &before.ranges);
+        assert_eq!(gathered(of_cut, &after.ranges), of_layer, "{}", before.name);
+        assert_eq!(of_layer.len() as u64, before.bytes);
+    }
+}
+
 /// Base and layers have all bytes of a stream, and none twice.
 fn shares_all_bytes(part: &ItemPart) {
     let of_layers = part.layers.iter().flat_map(|layer| &layer.ranges);
@@ -234,12 +247,7 @@ fn every_cut_of_an_item_keeps_its_promises() {
             let index = kept.file(after.index.as_ref().unwrap()).unwrap();
             read_index(index).unwrap().check_values(file).unwrap();
             let whole = item.file(before.file.as_ref().unwrap()).unwrap();
-            let kept_layers = before.layers.iter().zip(keep).filter(|(_, keep)| **keep);
-            for ((before, _), after) in kept_layers.zip(&after.layers) {
-                let bytes = gathered(whole, &before.ranges);
-                assert_eq!(gathered(file, &after.ranges), bytes, "{}", before.name);
-                assert_eq!(bytes.len() as u64, before.bytes);
-            }
+            check_ranges((before, whole, keep), (after, file));
         }
         let shown = figure(&kept);
         let stated = [
@@ -492,29 +500,61 @@ fn check(schema: &Value, root: &Value, value: &Value, at: &str) {
     }
 }
 
+/// What a refusal must say, and the change of a manifest that is refused.
+type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
+
+/// Checks that each change of the manifest of an item is refused with its place.
+fn check_refused(files: &[(String, Vec<u8>)], cases: &[Change<'_>]) {
+    let good: Value = serde_json::from_slice(&files.last().unwrap().1).unwrap();
+    for (expected, change) in cases {
+        let mut changed = good.clone();
+        change(&mut changed);
+        let mut files = files.to_vec();
+        files.last_mut().unwrap().1 = changed.to_string().into_bytes();
+        let why = reopened(&files, &Limits::default())
+            .unwrap_err()
+            .to_string();
+        assert!(!why.contains('\n') && why.len() < 600, "{why}");
+        assert!(why.contains(expected), "{expected}: {why}");
+    }
+}
+
+#[test]
+fn wrong_hashes_sizes_and_ranges_are_refused_with_their_place() {
+    let Some(item) = small_item() else {
+        return;
+    };
+    let file = |value: &mut Value, name: &str, to: Value| value["files"]["figure.glb"][name] = to;
+    let layer =
+        |value: &mut Value, name: &str, to: Value| value["parts"][0]["layers"][0][name] = to;
+    let cases: [Change<'_>; 6] = [
+        ("64 hexadecimal", &|m| file(m, "hash", "ABC".into())),
+        ("its hash is not", &|m| {
+            file(m, "hash", "0".repeat(64).into())
+        }),
+        ("elsewhere", &|m| file(m, "bytes", 7.into())),
+        ("more than the bytes", &|m| {
+            file(m, "compressed_bytes", u64::MAX.into())
+        }),
+        ("ranges must rise", &|m| {
+            layer(m, "ranges", serde_json::json!([[9, 1], [8, 1]]))
+        }),
+        ("within the stream", &|m| {
+            layer(m, "ranges", serde_json::json!([[u64::MAX, 2]]))
+        }),
+    ];
+    check_refused(&item.files(), &cases);
+}
+
 #[test]
 fn hostile_manifests_are_refused_with_their_place() {
     let Some(item) = small_item() else {
         return;
     };
     let files = item.files();
-    let good: Value = serde_json::from_slice(&files.last().unwrap().1).unwrap();
-    let refused = |change: &dyn Fn(&mut Value)| -> String {
-        let mut changed = good.clone();
-        change(&mut changed);
-        let mut files = files.clone();
-        files.last_mut().unwrap().1 = changed.to_string().into_bytes();
-        let why = reopened(&files, &Limits::default())
-            .unwrap_err()
-            .to_string();
-        assert!(!why.contains('\n') && why.len() < 600, "{why}");
-        why
-    };
     let layer =
         |value: &mut Value, name: &str, to: Value| value["parts"][0]["layers"][0][name] = to;
-    type Change<'a> = (&'a str, &'a dyn Fn(&mut Value));
-    let file = |value: &mut Value, name: &str, to: Value| value["files"]["figure.glb"][name] = to;
-    let cases: [Change<'_>; 22] = [
+    let cases: [Change<'_>; 16] = [
         ("absolute", &|m| m["figure"]["file"] = "/etc/passwd".into()),
         ("leaves the folder", &|m| {
             m["figure"]["file"] = "../figure.glb".into()
@@ -538,20 +578,6 @@ fn hostile_manifests_are_refused_with_their_place() {
             m["format"] = "other".into()
         }),
         ("update it", &|m| m["version"] = 3.into()),
-        ("64 hexadecimal", &|m| file(m, "hash", "ABC".into())),
-        ("its hash is not", &|m| {
-            file(m, "hash", "0".repeat(64).into())
-        }),
-        ("elsewhere", &|m| file(m, "bytes", 7.into())),
-        ("more than the bytes", &|m| {
-            file(m, "compressed_bytes", u64::MAX.into())
-        }),
-        ("ranges must rise", &|m| {
-            layer(m, "ranges", serde_json::json!([[9, 1], [8, 1]]))
-        }),
-        ("within the stream", &|m| {
-            layer(m, "ranges", serde_json::json!([[u64::MAX, 2]]))
-        }),
         ("before this one", &|m| {
             layer(m, "needs", serde_json::json!([0]))
         }),
@@ -567,10 +593,7 @@ fn hostile_manifests_are_refused_with_their_place() {
         }),
         ("missing field", &|m| *m = serde_json::json!({})),
     ];
-    for (expected, change) in cases {
-        let why = refused(change);
-        assert!(why.contains(expected), "{expected}: {why}");
-    }
+    check_refused(&files, &cases);
     let deep = "[".repeat(100_000);
     let nothing = &mut |_: &str| Err("nothing".to_owned());
     for bytes in [deep.as_bytes(), b"", b"{", b"\xff\xfe"] {
