@@ -71,7 +71,7 @@ fn nearer(
     if *least == 0.0 || !pose[v].is_finite() {
         return;
     }
-    let Some(found) = tree.closest_point(pose[v]) else {
+    let Some(found) = tree.closest_point(pose[v], pose) else {
         return;
     };
     let apart = |p: &Vec<Vec3>| {

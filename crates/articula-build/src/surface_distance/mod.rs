@@ -5,11 +5,17 @@
 //! Unlike there, both surfaces are in the same pose, pose after pose, and the points are the
 //! original's vertices and face centres. Definition and example: `docs/metrics.md`.
 //!
-//! Near triangles stay near each other in a pose, so one bounding box tree is built over the
-//! triangles of a level at rest and refitted for each pose, and the search for each point starts at
-//! the triangle that was closest in the pose before.
+//! Near triangles stay near each other in a pose, so a bounding box tree is built over triangles at
+//! rest and refitted for each pose, and the search for each point starts at the triangle that was
+//! closest in the pose before. Triangles that several levels have in common are searched once for all
+//! of these.
 
 mod attach;
+mod bounds;
+mod four_triangles;
+mod pieces;
+mod points;
+mod search;
 mod skin_point;
 #[cfg(test)]
 mod slow;
@@ -19,11 +25,12 @@ pub use attach::attach;
 pub(crate) use skin_point::corners;
 pub use skin_point::{SkinPoint, compact};
 
-use crate::points::draw_vertices;
 use articula_core::percentile;
 use articula_core::{Mismatch, SurfaceError};
 use glam::Vec3;
-use tree::{NO_TRIANGLE, SurfaceTree};
+use pieces::Pieces;
+use points::Points;
+use search::Search;
 
 /// Options of [`surface_distances`]: the points at which distances are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,51 +101,34 @@ pub fn surface_distances(
         return Err(Mismatch::new(format!("motion[{p}]"), what));
     }
     let points = Points::of(original, rest.len(), opts);
-    let mut there: Vec<Search> = levels
-        .iter()
-        .map(|l| Search::new(SurfaceTree::new(l, rest), l, points.clone(), rest.len()))
-        .collect();
-    let mut tallies: Vec<Tally> = levels.iter().map(|_| Tally::default()).collect();
-    for pose in std::iter::once(rest).chain(motion.iter().map(Vec::as_slice)) {
-        for (search, tally) in there.iter_mut().zip(&mut tallies) {
-            search.tree.refit(pose);
-            tally.add(search.distances(pose));
-        }
-    }
-    let mut found: Vec<LevelDistances> = tallies.into_iter().map(Tally::level).collect();
+    let mut found = measured(levels, points, rest, motion);
     if opts.two_sided {
-        let back = way_back(original, levels, rest, motion);
-        for (level, back) in found.iter_mut().zip(&back) {
-            level.raise(back);
+        for (level, distances) in levels.iter().zip(&mut found) {
+            let mut points = Points::default();
+            points.add_triangles(level);
+            for back in measured(&[original], points, rest, motion) {
+                distances.raise(&back);
+            }
         }
     }
     Ok(found)
 }
 
-/// Distances from points of each level to the original.
-fn way_back(
-    original: &[[u32; 3]],
+/// Distances of points to each level.
+fn measured(
     levels: &[&[[u32; 3]]],
+    points: Points,
     rest: &[Vec3],
     motion: &[Vec<Vec3>],
 ) -> Vec<LevelDistances> {
-    let mut tree = SurfaceTree::new(original, rest);
-    let all = |level: &&[[u32; 3]]| {
-        let mut points = Points::default();
-        points.add_triangles(level);
-        let hints = vec![NO_TRIANGLE; points.len()];
-        (points, hints, Tally::default())
-    };
-    let mut back: Vec<(Points, Vec<u32>, Tally)> = levels.iter().map(all).collect();
+    let mut search = Search::new(Pieces::of(levels), rest, points);
+    let mut tallies: Vec<Tally> = levels.iter().map(|_| Tally::default()).collect();
     for pose in std::iter::once(rest).chain(motion.iter().map(Vec::as_slice)) {
-        tree.refit(pose);
-        for (points, hints, tally) in &mut back {
-            tally.add(distances(&tree, points, hints, pose));
+        for (tally, distances) in tallies.iter_mut().zip(search.distances(pose)) {
+            tally.add(distances);
         }
     }
-    back.into_iter()
-        .map(|(_, _, tally)| tally.level())
-        .collect()
+    tallies.into_iter().map(Tally::level).collect()
 }
 
 fn check(which: &str, triangles: &[[u32; 3]], vertices: usize) -> Result<(), Mismatch> {
@@ -153,104 +143,6 @@ fn check(which: &str, triangles: &[[u32; 3]], vertices: usize) -> Result<(), Mis
     Err(Mismatch::new(format!("{which}[{t}]"), what))
 }
 
-/// Points on a surface: vertices, and means of two or three of them.
-#[derive(Debug, Clone, Default)]
-struct Points {
-    vertices: Vec<u32>,
-    edges: Vec<[u32; 2]>,
-    centres: Vec<[u32; 3]>,
-}
-
-impl Points {
-    /// Vertices that triangles use, and face centres.
-    fn of(triangles: &[[u32; 3]], vertices: usize, opts: &DistanceOptions) -> Self {
-        let mut is_used = vec![false; vertices];
-        for v in triangles.iter().flatten() {
-            is_used[*v as usize] = true;
-        }
-        let used: Vec<u32> = (0..vertices as u32)
-            .filter(|v| is_used[*v as usize])
-            .collect();
-        let some = |total, count| draw_vertices(total, count, opts.seed);
-        let vertices = some(used.len(), opts.vertices);
-        let centres = some(triangles.len(), opts.face_centres);
-        Self {
-            vertices: vertices.iter().map(|i| used[*i as usize]).collect(),
-            edges: Vec::new(),
-            centres: centres.iter().map(|t| triangles[*t as usize]).collect(),
-        }
-    }
-
-    /// Adds face centres and edge midpoints.
-    fn add_triangles(&mut self, triangles: &[[u32; 3]]) {
-        self.centres.extend(triangles);
-        for [a, b, c] in triangles {
-            self.edges.extend([[*a, *b], [*b, *c], [*c, *a]]);
-        }
-    }
-
-    fn len(&self) -> usize {
-        self.vertices.len() + self.edges.len() + self.centres.len()
-    }
-
-    /// Positions of the points in a pose.
-    fn posed<'a>(&'a self, pose: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
-        let at = |v: &u32| pose[*v as usize];
-        let vertices = self.vertices.iter().map(at);
-        let edges = self.edges.iter().map(move |[a, b]| 0.5 * (at(a) + at(b)));
-        let third = 1.0 / 3.0;
-        let centres = self.centres.iter();
-        let centres = centres.map(move |[a, b, c]| third * (at(a) + at(b) + at(c)));
-        vertices.chain(edges).chain(centres)
-    }
-}
-
-/// One level, the points measured against it, and the closest triangle of each so far.
-struct Search {
-    tree: SurfaceTree,
-    points: Points,
-    hints: Vec<u32>,
-}
-
-impl Search {
-    fn new(tree: SurfaceTree, level: &[[u32; 3]], points: Points, vertices: usize) -> Self {
-        // A vertex that the level still has is found immediately.
-        let mut of_vertex = vec![NO_TRIANGLE; vertices];
-        for (t, triangle) in level.iter().enumerate() {
-            for v in triangle {
-                of_vertex[*v as usize] = tree.place(t);
-            }
-        }
-        let mut hints: Vec<u32> = points
-            .vertices
-            .iter()
-            .map(|v| of_vertex[*v as usize])
-            .collect();
-        hints.resize(points.len(), NO_TRIANGLE);
-        Self {
-            tree,
-            points,
-            hints,
-        }
-    }
-
-    fn distances(&mut self, pose: &[Vec3]) -> Vec<f32> {
-        distances(&self.tree, &self.points, &mut self.hints, pose)
-    }
-}
-
-fn distances(tree: &SurfaceTree, points: &Points, hints: &mut [u32], pose: &[Vec3]) -> Vec<f32> {
-    let mut out = Vec::with_capacity(hints.len());
-    for (point, hint) in points.posed(pose).zip(hints) {
-        if point.is_finite() {
-            let (squared, place) = tree.closest(point, *hint);
-            *hint = place;
-            out.push(squared.sqrt());
-        }
-    }
-    out
-}
-
 /// Distances of one level, pose by pose, the rest pose first.
 #[derive(Debug, Default)]
 struct Tally {
@@ -260,7 +152,9 @@ struct Tally {
 }
 
 impl Tally {
+    /// Adds a pose. Points without a distance, of NaN, do not count.
     fn add(&mut self, mut distances: Vec<f32>) {
+        distances.retain(|distance| !distance.is_nan());
         if !self.poses.is_empty() {
             self.all.extend(&distances);
         }
@@ -347,38 +241,5 @@ mod tests {
         let found = tally.level();
         assert_eq!(found.motion, found.rest, "without poses");
         assert_eq!(found.rest.mean_metres, 1.5);
-    }
-
-    #[test]
-    fn points_are_the_vertices_in_use_and_the_centres() {
-        let pose = [0.0, 1.0, 2.0, 100.0, 5.0].map(|x| Vec3::X * x);
-        let triangles = [[0, 1, 4], [1, 2, 4]];
-        let opts = DistanceOptions::default();
-        let mut points = Points::of(&triangles, pose.len(), &opts);
-        let at = |points: &Points| -> Vec<f32> { points.posed(&pose).map(|p| p.x).collect() };
-        let near = |found: Vec<f32>, expected: &[f32]| {
-            assert_eq!(found.len(), expected.len());
-            let pairs = found.iter().zip(expected);
-            assert!(
-                pairs.clone().all(|(a, b)| (a - b).abs() < 1e-5),
-                "{found:?}"
-            );
-        };
-        assert_eq!(points.len(), 6);
-        near(at(&points), &[0.0, 1.0, 2.0, 5.0, 2.0, 8.0 / 3.0]);
-        points.add_triangles(&[[0, 2, 4]]);
-        assert_eq!(points.len(), 10);
-        let edges = [1.0, 3.5, 2.5];
-        let centres = [2.0, 8.0 / 3.0, 7.0 / 3.0];
-        near(
-            at(&points),
-            &[&[0.0, 1.0, 2.0, 5.0], &edges[..], &centres].concat(),
-        );
-        let few = DistanceOptions {
-            vertices: 2,
-            face_centres: 1,
-            ..opts
-        };
-        assert_eq!(Points::of(&triangles, pose.len(), &few).len(), 3);
     }
 }

@@ -1,59 +1,50 @@
 //! A bounding box tree over the triangles of a surface, refitted when the surface moves.
 //!
 //! Built once by splitting the triangles at the median of their centres along the longest side (Kay
-//! and Kajiya 1986); refitted from the leaves up (van den Bergh, Efficient Collision Detection of
-//! Complex Deformable Models using AABB Trees, 1997).
+//! and Kajiya 1986), with four children a node and four triangles a leaf, which are tested at once
+//! (Dammertz, Hanika and Keller, Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of
+//! Incoherent Rays, 2008); refitted from the leaves up (van den Bergh, Efficient Collision Detection
+//! of Complex Deformable Models using AABB Trees, 1997).
 
+use super::bounds::{Bounds, FourBounds};
+use super::four_triangles::{FourTriangles, LANES};
 use super::skin_point::SkinPoint;
-use articula_core::{triangle_distance_squared, triangle_weights};
+use articula_core::triangle_weights;
 use glam::Vec3;
 
 /// Hint for a point without a known close triangle.
 pub(super) const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Number of triangles in a leaf.
-const LEAF: usize = 2;
-
-/// Maximum depth: halving `u32::MAX` triangles ends well above it.
-const DEEPEST: usize = 40;
+/// Most nodes that wait for a visit: three of each of 20 levels, and `u32::MAX` triangles have fewer.
+const WAITING: usize = 64;
 
 /// Triangles of a surface for closest-point queries.
 #[derive(Debug, Clone)]
 pub(super) struct SurfaceTree {
-    /// Depth first: the left child of an inner node follows it.
+    /// Depth first; the root is the first.
     nodes: Vec<Node>,
-    /// Vertex indices of the triangles, leaf by leaf.
-    triangles: Vec<[u32; 3]>,
-    /// Position of each given triangle in `triangles`.
+    /// Vertex indices of the triangles of each leaf; its last one fills it up.
+    triangles: Vec<[[u32; 3]; LANES]>,
+    /// The leaves in the last fitted pose.
+    leaves: Vec<FourTriangles>,
+    /// Position of each given triangle: leaf and lane.
     places: Vec<u32>,
-    /// Corners of `triangles` in the last fitted pose.
-    corners: Vec<[Vec3; 3]>,
+    /// Box of all triangles.
+    bounds: Bounds,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Node {
-    lo: Vec3,
-    hi: Vec3,
-    /// First triangle of a leaf, right child of an inner node.
-    at: u32,
-    /// Number of triangles of a leaf; 0 for an inner node.
-    count: u32,
+    bounds: FourBounds,
+    children: [Child; LANES],
 }
 
-impl Node {
-    /// The empty box, at infinite distance from every point.
-    const EMPTY: Self = Self {
-        lo: Vec3::INFINITY,
-        hi: Vec3::NEG_INFINITY,
-        at: 0,
-        count: 0,
-    };
-
-    /// Squared distance of a point to the box; infinite if it is empty.
-    fn squared_distance(&self, point: Vec3) -> f32 {
-        let out = (self.lo - point).max(point - self.hi).max(Vec3::ZERO);
-        out.length_squared()
-    }
+/// What a node has in a lane, by index.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Child {
+    None,
+    Leaf(u32),
+    Node(u32),
 }
 
 impl SurfaceTree {
@@ -68,17 +59,25 @@ impl SurfaceTree {
         };
         let centres: Vec<Vec3> = triangles.iter().map(centre).collect();
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
-        let mut nodes = Vec::with_capacity(triangles.len());
-        build(&mut nodes, &centres, &mut order, 0);
+        let mut built = Built {
+            nodes: Vec::with_capacity(triangles.len() / LANES),
+            leaves: Vec::with_capacity(triangles.len() / LANES + 1),
+        };
+        built.node(&centres, &mut order);
         let mut places = vec![0; triangles.len()];
-        for (place, t) in order.iter().enumerate() {
-            places[*t as usize] = place as u32;
+        for (leaf, own) in built.leaves.iter().enumerate() {
+            for (lane, t) in own.iter().enumerate() {
+                places[*t as usize] = (leaf * LANES + lane) as u32;
+            }
         }
+        let of_leaf = |leaf: &[u32; LANES]| leaf.map(|t| triangles[t as usize]);
+        let nowhere = FourTriangles::new([[Vec3::NAN; 3]; LANES]);
         let mut tree = Self {
-            nodes,
-            triangles: order.iter().map(|t| triangles[*t as usize]).collect(),
+            nodes: built.nodes,
+            triangles: built.leaves.iter().map(of_leaf).collect(),
+            leaves: vec![nowhere; built.leaves.len()],
             places,
-            corners: vec![[Vec3::ZERO; 3]; triangles.len()],
+            bounds: Bounds::EMPTY,
         };
         tree.refit(positions);
         tree
@@ -90,38 +89,36 @@ impl SurfaceTree {
     /// # Panics
     /// If there are fewer positions than vertices.
     pub(super) fn refit(&mut self, positions: &[Vec3]) {
-        for (corners, t) in self.corners.iter_mut().zip(&self.triangles) {
-            *corners = t.map(|v| positions[v as usize]);
-            if !corners.iter().all(|c| c.is_finite()) {
-                *corners = [Vec3::NAN; 3];
-            }
-        }
         for n in (0..self.nodes.len()).rev() {
-            let Node { at, count, .. } = self.nodes[n];
-            let (mut lo, mut hi) = (Node::EMPTY.lo, Node::EMPTY.hi);
-            if count == 0 {
-                for child in [n + 1, at as usize] {
-                    lo = lo.min(self.nodes[child].lo);
-                    hi = hi.max(self.nodes[child].hi);
-                }
-            } else {
-                let there = &self.corners[at as usize..(at + count) as usize];
-                for corner in there.iter().filter(|c| c[0].is_finite()).flatten() {
-                    lo = lo.min(*corner);
-                    hi = hi.max(*corner);
-                }
+            for lane in 0..LANES {
+                let bounds = match self.nodes[n].children[lane] {
+                    Child::None => continue,
+                    Child::Leaf(leaf) => self.refit_leaf(leaf as usize, positions),
+                    Child::Node(node) => self.nodes[node as usize].bounds.all(),
+                };
+                self.nodes[n].bounds.set(lane, bounds);
             }
-            self.nodes[n] = Node { lo, hi, at, count };
         }
+        self.bounds = self.nodes.first().map_or(Bounds::EMPTY, |n| n.bounds.all());
     }
 
-    /// Closest point of the surface; `None` if there is no triangle.
-    pub(super) fn closest_point(&self, point: Vec3) -> Option<SkinPoint> {
-        let (_, place) = self.closest(point, NO_TRIANGLE);
-        let corners = self.corners.get(place as usize)?;
+    fn refit_leaf(&mut self, leaf: usize, positions: &[Vec3]) -> Bounds {
+        let posed = self.triangles[leaf].map(|t| {
+            let corners = t.map(|v| positions[v as usize]);
+            let is_finite = corners.iter().all(|c| c.is_finite());
+            if is_finite { corners } else { [Vec3::NAN; 3] }
+        });
+        self.leaves[leaf] = FourTriangles::new(posed);
+        Bounds::around(&posed)
+    }
+
+    /// Closest point of the surface in a pose that it is fitted to; `None` if there is no triangle.
+    pub(super) fn closest_point(&self, point: Vec3, positions: &[Vec3]) -> Option<SkinPoint> {
+        let (_, place) = self.closest(point, NO_TRIANGLE, f32::INFINITY)?;
+        let corners = self.triangles[place as usize / LANES][place as usize % LANES];
         Some(SkinPoint {
-            corners: self.triangles[place as usize],
-            weights: triangle_weights(point, *corners),
+            corners,
+            weights: triangle_weights(point, corners.map(|v| positions[v as usize])),
         })
     }
 
@@ -130,126 +127,164 @@ impl SurfaceTree {
         self.places[triangle]
     }
 
-    /// Squared distance from a finite point to the surface, infinite if there is none, and the
-    /// position of the closest triangle. A hint that is close speeds up the search.
-    pub(super) fn closest(&self, point: Vec3, hint: u32) -> (f32, u32) {
-        let mut best = f32::INFINITY;
-        let mut place = hint;
-        if let Some(corners) = self.corners.get(hint as usize) {
-            let guess = triangle_distance_squared(point, *corners);
-            best = if guess.is_nan() { best } else { guess };
+    /// Squared distance from a finite point to the box of all triangles; infinite if there is none.
+    pub(super) fn squared_distance_to_bounds(&self, point: Vec3) -> f32 {
+        self.bounds.squared_distance(point)
+    }
+
+    /// Squared distance from a finite point to the surface and the position of the closest triangle;
+    /// `None` if none is closer than the squared distance `limit`. A hint that is close speeds up the
+    /// search.
+    pub(super) fn closest(&self, point: Vec3, hint: u32, limit: f32) -> Option<(f32, u32)> {
+        let mut nearest = Nearest {
+            squared: limit,
+            place: None,
+        };
+        let leaf = hint as usize / LANES;
+        if leaf < self.leaves.len() {
+            nearest.take(leaf, &self.leaves[leaf], point);
         }
-        if best == 0.0 || self.nodes.is_empty() {
-            return (best, place);
-        }
-        let mut stack = [(0.0f32, 0u32); DEEPEST];
-        let mut depth = 1;
-        stack[0] = (self.nodes[0].squared_distance(point), 0);
-        while depth > 0 {
-            depth -= 1;
-            let (near, n) = stack[depth];
-            if near >= best {
+        self.search(point, &mut nearest);
+        nearest.place.map(|place| (nearest.squared, place))
+    }
+
+    fn search(&self, point: Vec3, nearest: &mut Nearest) {
+        let mut waiting = [(0.0_f32, 0_u32); WAITING];
+        let mut count = usize::from(!self.nodes.is_empty());
+        while count > 0 {
+            count -= 1;
+            let (near, n) = waiting[count];
+            if near >= nearest.squared {
                 continue;
             }
             let node = &self.nodes[n as usize];
-            if node.count > 0 {
-                for t in node.at..node.at + node.count {
-                    let squared = triangle_distance_squared(point, self.corners[t as usize]);
-                    if squared < best {
-                        (best, place) = (squared, t);
-                    }
+            let first = count;
+            let near = node.bounds.squared_distances(point);
+            for (child, near) in node.children.iter().zip(near) {
+                if near >= nearest.squared {
+                    continue;
                 }
-                continue;
-            }
-            let of = |child: u32| (self.nodes[child as usize].squared_distance(point), child);
-            let (mut first, mut last) = (of(n + 1), of(node.at));
-            if last.0 < first.0 {
-                (first, last) = (last, first);
-            }
-            // The nearer child is searched first.
-            for child in [last, first] {
-                if child.0 < best {
-                    stack[depth] = child;
-                    depth += 1;
+                match child {
+                    Child::None => {}
+                    Child::Leaf(leaf) => {
+                        let leaf = *leaf as usize;
+                        nearest.take(leaf, &self.leaves[leaf], point);
+                    }
+                    Child::Node(child) => {
+                        // The nearest child is visited first.
+                        let mut at = count;
+                        while at > first && waiting[at - 1].0 < near {
+                            waiting[at] = waiting[at - 1];
+                            at -= 1;
+                        }
+                        waiting[at] = (near, *child);
+                        count += 1;
+                    }
                 }
             }
         }
-        (best, place)
     }
 }
 
-/// Adds the nodes of the triangles `order`, which start at position `first`, and sorts them.
-fn build(nodes: &mut Vec<Node>, centres: &[Vec3], order: &mut [u32], first: usize) {
-    let count = order.len();
-    if count <= LEAF {
-        if count > 0 {
-            nodes.push(Node {
-                at: first as u32,
-                count: count as u32,
-                ..Node::EMPTY
-            });
+/// The closest triangle so far.
+struct Nearest {
+    squared: f32,
+    place: Option<u32>,
+}
+
+impl Nearest {
+    #[inline(always)]
+    fn take(&mut self, leaf: usize, triangles: &FourTriangles, point: Vec3) {
+        let all = triangles.distances_squared(point);
+        for (lane, squared) in all.into_iter().enumerate() {
+            if squared < self.squared {
+                self.squared = squared;
+                self.place = Some((leaf * LANES + lane) as u32);
+            }
         }
-        return;
     }
-    let node = nodes.len();
-    nodes.push(Node::EMPTY);
-    let bounds = order.iter().map(|t| centres[*t as usize]);
-    let (lo, hi) = bounds.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), c| {
+}
+
+/// Nodes and the triangles of the leaves.
+struct Built {
+    nodes: Vec<Node>,
+    leaves: Vec<[u32; LANES]>,
+}
+
+impl Built {
+    /// Adds what is below a node or leaf with these triangles.
+    fn child(&mut self, centres: &[Vec3], order: &mut [u32]) -> Child {
+        let Some(&last) = order.last() else {
+            return Child::None;
+        };
+        if order.len() > LANES {
+            return Child::Node(self.node(centres, order));
+        }
+        let of_lane = |lane: usize| order.get(lane).copied().unwrap_or(last);
+        self.leaves.push([0, 1, 2, 3].map(of_lane));
+        Child::Leaf(self.leaves.len() as u32 - 1)
+    }
+
+    fn node(&mut self, centres: &[Vec3], order: &mut [u32]) -> u32 {
+        let node = self.nodes.len();
+        self.nodes.push(Node {
+            bounds: FourBounds::EMPTY,
+            children: [Child::None; LANES],
+        });
+        let (left, right) = halves(centres, order);
+        let ((a, b), (c, d)) = (halves(centres, left), halves(centres, right));
+        self.nodes[node].children = [a, b, c, d].map(|quarter| self.child(centres, quarter));
+        node as u32
+    }
+}
+
+/// Sorts triangles into two halves along the longest side, the first of whole leaves; all into the
+/// first if they are of one leaf.
+fn halves<'a>(centres: &[Vec3], order: &'a mut [u32]) -> (&'a mut [u32], &'a mut [u32]) {
+    let count = order.len();
+    if count <= LANES {
+        return order.split_at_mut(count);
+    }
+    let half = (count / 2).next_multiple_of(LANES);
+    let points = order.iter().map(|t| centres[*t as usize]);
+    let (lo, hi) = points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), c| {
         (lo.min(c), hi.max(c))
     });
     let axis = (hi - lo).max_position();
-    let half = count / 2;
     let by = |t: &u32| centres[*t as usize][axis];
     // Ties by the index of the triangle, so that the tree is the same on all platforms.
     order.select_nth_unstable_by(half, |a, b| by(a).total_cmp(&by(b)).then(a.cmp(b)));
-    let (left, right) = order.split_at_mut(half);
-    build(nodes, centres, left, first);
-    nodes[node].at = nodes.len() as u32;
-    build(nodes, centres, right, first + half);
+    order.split_at_mut(half)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::slow::{slow, surface};
     use super::*;
+    use articula_core::triangle_distance_squared;
     use proptest::prelude::*;
 
-    #[test]
-    fn the_distance_to_a_box_by_hand() {
-        let node = Node {
-            lo: Vec3::new(1.0, 2.0, 3.0),
-            hi: Vec3::new(2.0, 4.0, 6.0),
-            ..Node::EMPTY
+    /// Returns the depth below a child, its box and its triangles, and checks boxes and sizes.
+    fn below(tree: &SurfaceTree, pose: &[Vec3], child: Child) -> (usize, Bounds, Vec<[u32; 3]>) {
+        let node = match child {
+            Child::None => return (0, Bounds::EMPTY, Vec::new()),
+            Child::Leaf(leaf) => {
+                let own = tree.triangles[leaf as usize];
+                let posed = own.map(|t| t.map(|v| pose[v as usize]));
+                return (1, Bounds::around(&posed), own.to_vec());
+            }
+            Child::Node(node) => &tree.nodes[node as usize],
         };
-        for (point, squared) in [
-            ([1.5, 3.0, 4.0], 0.0),
-            ([2.0, 4.0, 6.0], 0.0),
-            ([-1.0, 3.0, 4.0], 4.0),
-            ([5.0, 8.0, 4.0], 25.0),
-            ([0.0, 0.0, 1.0], 9.0),
-        ] {
-            assert_eq!(node.squared_distance(Vec3::from_array(point)), squared);
+        let all = node.children.map(|child| below(tree, pose, child));
+        let mut four = FourBounds::EMPTY;
+        for (lane, (_, bounds, _)) in all.iter().enumerate() {
+            four.set(lane, *bounds);
         }
-        assert_eq!(Node::EMPTY.squared_distance(Vec3::ONE), f32::INFINITY);
-    }
-
-    /// Returns the number of triangles and the depth below a node, and checks that its box is that of
-    /// their corners.
-    fn below(tree: &SurfaceTree, n: usize) -> (usize, usize, Vec<[Vec3; 3]>) {
-        let node = &tree.nodes[n];
-        let (count, depth, corners) = if node.count > 0 {
-            let there = node.at as usize..(node.at + node.count) as usize;
-            (there.len(), 1, tree.corners[there].to_vec())
-        } else {
-            let [a, b] = [n + 1, node.at as usize].map(|child| below(tree, child));
-            assert!(a.0.abs_diff(b.0) <= 1, "{} and {}", a.0, b.0);
-            (a.0 + b.0, 1 + a.1.max(b.1), [a.2, b.2].concat())
-        };
-        let all = corners.iter().flatten();
-        let lo = all.clone().fold(Vec3::INFINITY, |lo, c| lo.min(*c));
-        let hi = all.fold(Vec3::NEG_INFINITY, |hi, c| hi.max(*c));
-        assert_eq!((node.lo, node.hi), (lo, hi));
-        (count, depth, corners)
+        let bits = |four: &FourBounds| format!("{four:?}");
+        assert_eq!(bits(&node.bounds), bits(&four));
+        let depth = 1 + all.iter().map(|a| a.0).max().unwrap();
+        let triangles = all.into_iter().flat_map(|a| a.2).collect();
+        (depth, four.all(), triangles)
     }
 
     #[test]
@@ -267,14 +302,18 @@ mod tests {
             for shift in [Vec3::ZERO, Vec3::new(3.0, -2.0, 1.0)] {
                 let moved: Vec<Vec3> = points.iter().map(|p| *p + shift).collect();
                 tree.refit(&moved);
-                let (count, depth, _) = below(&tree, 0);
-                // Leaves of two triangles, at the sixth level.
-                assert_eq!((count, depth, tree.nodes.len()), (64, 6, 63));
-                let halves = [1, tree.nodes[0].at as usize].map(|n| &tree.nodes[n]);
-                assert!(halves[0].hi.x < halves[1].lo.x + 3.0, "halves along x");
+                let (depth, bounds, found) = below(&tree, &moved, Child::Node(0));
+                // Full leaves, two levels below the root.
+                assert_eq!((found.len(), depth, tree.nodes.len()), (64, 3, 5));
+                assert_eq!(tree.bounds, bounds);
+                let quarters = tree.nodes[0].children.map(|c| below(&tree, &moved, c).1);
+                for pair in quarters.windows(2) {
+                    assert!(pair[0].hi.x < pair[1].lo.x + 3.0, "quarters along x");
+                }
             }
             for (t, triangle) in triangles.iter().enumerate() {
-                assert_eq!(tree.triangles[tree.place(t) as usize], *triangle);
+                let place = tree.place(t) as usize;
+                assert_eq!(tree.triangles[place / LANES][place % LANES], *triangle);
             }
         }
     }
@@ -285,6 +324,8 @@ mod tests {
             (points, triangles) in surface(),
             moves in prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), 40),
             asked in prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), 20),
+            hint in 0..70u32,
+            share in 0.0f32..2.0,
         ) {
             let mut tree = SurfaceTree::new(&triangles, &points);
             let moved: Vec<Vec3> = points.iter().zip(&moves).map(|(p, m)| *p + Vec3::from_array(*m)).collect();
@@ -292,9 +333,22 @@ mod tests {
                 tree.refit(positions);
                 for point in &asked {
                     let point = Vec3::from_array(*point);
-                    let fast = f64::from(tree.closest(point, NO_TRIANGLE).0.sqrt());
+                    let (squared, place) = tree.closest(point, NO_TRIANGLE, f32::INFINITY).unwrap();
                     let slow = slow(point, &triangles, positions);
+                    let fast = f64::from(squared.sqrt());
                     prop_assert!((fast - slow).abs() < 5e-3 * (1.0 + slow), "{} {}", fast, slow);
+                    let found = tree.triangles[place as usize / LANES][place as usize % LANES];
+                    let corners = found.map(|v| positions[v as usize]);
+                    prop_assert_eq!(triangle_distance_squared(point, corners), squared);
+                    // Any hint gives the same distance, and a limit either that or nothing.
+                    let limit = share * squared;
+                    let limited = tree.closest(point, hint, limit).map(|found| found.0);
+                    let wanted = (squared < limit).then_some(squared);
+                    let same = |a: f32, b: f32| (a - b).abs() <= 1e-6 * (1.0 + b);
+                    match (limited, wanted) {
+                        (Some(a), Some(b)) => prop_assert!(same(a, b), "{} {}", a, b),
+                        (a, b) => prop_assert!(a.is_none() && b.is_none() || same(share, 1.0)),
+                    }
                 }
             }
         }
