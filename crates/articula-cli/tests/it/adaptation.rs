@@ -70,7 +70,7 @@ fn an_item_is_cut_to_its_context_by_both_engines() {
     assert_eq!(shown["clips"][0]["name"], "Robot_Walking");
     // An adapted item is an item.
     let again = json(&here, &["inspect", "less"]);
-    assert_eq!(again["bytes"], cut["bytes_out"]);
+    assert_eq!(again["bytes_sent"], cut["bytes_out"]);
     let upper = ["--loa", "2", "--zones", "upper"];
     let native = json(&here, &[&["adapt", "robot", "upper"][..], &upper].concat());
     assert_eq!(native["decision"]["loa"], 2);

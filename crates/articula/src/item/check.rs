@@ -84,12 +84,11 @@ impl Manifest {
             }
             sum = sum.saturating_add(bytes);
         }
-        self.check_entries()?;
         if sum > limits.bytes {
             let what = format!("{sum} bytes in all files, the limit is {}", limits.bytes);
             return Err(Error::unsuited(what));
         }
-        Ok(())
+        self.check_entries()
     }
 }
 
