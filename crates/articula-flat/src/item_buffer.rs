@@ -290,16 +290,27 @@ impl Scan {
 
     fn each(&self, mut visit: impl FnMut(i64, i64)) {
         let mut edges = self.edges;
+        let end = self.columns.1;
+        // Inside all three edges if no value has its sign bit set.
+        let is_inside = |at: &[i64; 3]| (at[0] | at[1] | at[2]) >= 0;
         for y in self.rows.0..self.rows.1 {
             let mut at = edges.map(|e| e.value);
-            for x in self.columns.0..self.columns.1 {
-                // Inside all three edges if no value has its sign bit set.
-                if (at[0] | at[1] | at[2]) >= 0 {
-                    visit(x, y);
+            let right = edges.map(|e| e.right);
+            let advance = |at: &mut [i64; 3]| {
+                for (value, right) in at.iter_mut().zip(right) {
+                    *value += right;
                 }
-                for (value, edge) in at.iter_mut().zip(&edges) {
-                    *value += edge.right;
-                }
+            };
+            // What is inside is one run of the row.
+            let mut x = self.columns.0;
+            while x < end && !is_inside(&at) {
+                advance(&mut at);
+                x += 1;
+            }
+            while x < end && is_inside(&at) {
+                visit(x, y);
+                advance(&mut at);
+                x += 1;
             }
             for edge in &mut edges {
                 edge.value += edge.down;

@@ -9,6 +9,7 @@
 //! - [`ReferenceFrames`]: reference pictures of the simplified character; [`SourceFrames`]:
 //!   pictures of the character itself, from which the largest local difference is measured
 //! - [`flatten()`]: writes a file, under a byte budget at the best of the quality steps;
+//!   [`flatten_unmeasured`]: writes a file without measuring pictures of it;
 //!   [`flatten_live`]: writes a file that a host drives
 //! - [`Flattened`]: bytes, [`FileSize`], [`FileErrors`], and the [`Representation`] that a decision
 //!   compares
@@ -30,6 +31,6 @@ pub use live::flatten_live;
 pub use prepared::{PrepareClipOptions, PreparedClip};
 pub use reference_frames::{ImageError, ReferenceFrames, sampled_frames};
 pub use report::{FileErrors, FileSize, Representation};
-pub use search::{Flattened, TriedQuality, flatten};
+pub use search::{Flattened, TriedQuality, Unmeasured, flatten, flatten_unmeasured};
 pub use settings::{Profile, Quality, Settings};
 pub use source_frames::{DroppedDetail, SourceFrames, SourceTime, dropped_detail};

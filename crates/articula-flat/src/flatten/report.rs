@@ -1,6 +1,7 @@
 //! Report on a converted file: size, error and representation.
 
 use super::reference_frames::ImageError;
+use super::settings::Profile;
 use crate::planar::PlanarError;
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -73,6 +74,18 @@ pub struct Representation {
     pub error_px: f64,
     /// Features that the client must support.
     pub needs: Vec<&'static str>,
+}
+
+impl Representation {
+    /// That of a file of a profile.
+    pub(super) fn new(profile: Profile, bytes: u64, error_px: f64) -> Self {
+        Self {
+            modality: format!("vector/{profile}"),
+            bytes,
+            error_px,
+            needs: profile.needs(),
+        }
+    }
 }
 
 #[cfg(test)]

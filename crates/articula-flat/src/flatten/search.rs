@@ -68,13 +68,52 @@ impl Flattened {
 
     /// Returns the representation that the file provides.
     pub fn representation(&self) -> Representation {
-        Representation {
-            modality: format!("vector/{}", self.profile),
-            bytes: self.sizes.raw,
-            error_px: self.errors.position_rmse_px,
-            needs: self.profile.needs(),
+        Representation::new(self.profile, self.sizes.raw, self.errors.position_rmse_px)
+    }
+}
+
+/// A converted file of which no picture was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Unmeasured {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// What the file provides.
+    pub representation: Representation,
+    /// Triangles that are drawn in some frame.
+    pub triangles_drawn: usize,
+    /// Frames.
+    pub frames: usize,
+}
+
+/// Writes a prepared clip without pictures of the file and compressed sizes, which cost more than the
+/// file; with a byte budget, at the first of the quality steps that fits, or the smallest file if none
+/// fits. Without a budget the bytes are those of [`flatten()`].
+///
+/// # Errors
+/// Errors of the writer.
+pub fn flatten_unmeasured(
+    prepared: &PreparedClip,
+    settings: &Settings,
+) -> Result<Unmeasured, PlanarError> {
+    let most = settings.max_bytes.unwrap_or(u64::MAX);
+    let written = |quality: &Quality| write(prepared, settings.profile, quality, &settings.name);
+    let mut made = written(&settings.quality)?;
+    for quality in candidates(settings).iter().skip(1) {
+        if made.bytes.len() as u64 <= most {
+            break;
+        }
+        let next = written(quality)?;
+        if next.bytes.len() < made.bytes.len() {
+            made = next;
         }
     }
+    let bytes = made.bytes.len() as u64;
+    Ok(Unmeasured {
+        representation: Representation::new(settings.profile, bytes, made.position_rmse_px),
+        triangles_drawn: made.triangles_drawn,
+        frames: made.frames,
+        bytes: made.bytes,
+    })
 }
 
 /// Writes a prepared clip; with a byte budget, at the best quality that fits, or the smallest file

@@ -27,6 +27,8 @@ use articula_flat::flatten::{
     Flattened, PrepareClipOptions, PreparedClip, ReferenceFrames, Settings, SourceTime,
     dropped_detail, flatten as write, flatten_live, sampled_frames,
 };
+#[cfg(feature = "item")]
+use articula_flat::flatten::{Unmeasured, flatten_unmeasured};
 use articula_flat::planar::OrderOptions;
 use articula_flat::vector::player::LiveSource;
 
@@ -68,6 +70,23 @@ pub fn flatten(
         .with_progress("writing", |p| write(&prepared, settings, &truth, p))
         .with_context(name)?;
     detailed(framed, flat)
+}
+
+/// A file like that of [`flatten()`], of which nothing is measured but the error in position.
+#[cfg(feature = "item")]
+pub(crate) fn unmeasured(
+    framed: &FramedCharacter<'_>,
+    options: &PrepareClipOptions,
+    settings: &Settings,
+    work: &Executor<'_>,
+) -> Result<Unmeasured> {
+    work.step("projecting", 0, 1)?;
+    let clip = framed.clip()?;
+    work.with_progress("computing the painting order", |p| {
+        let prepared = PreparedClip::new(clip, options, p)?;
+        flatten_unmeasured(&prepared, settings)
+    })
+    .with_context(|| framed.name())
 }
 
 /// Adds the painted detail that the vertex colours do not show.

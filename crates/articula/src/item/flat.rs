@@ -7,12 +7,13 @@ use super::files::NewFiles;
 use super::manifest::FlatEntry;
 use super::name::Names;
 use super::options::PackageOptions;
-use crate::error::Result;
+use super::sent::FileEntry;
+use crate::error::{Error, Result};
 use crate::figure::Figure;
-use crate::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
+use crate::flatten::{FramedCharacter, Shot, TriangleCount, unmeasured};
 use crate::work::Executor;
 use articula_core::{Clip, Viewport};
-use articula_flat::flatten::{Flattened, PrepareClipOptions, Profile, Quality, Settings};
+use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings, Unmeasured};
 
 /// Frames per second of the animated picture.
 const FPS: f32 = 12.0;
@@ -156,7 +157,7 @@ impl<'a> Maker<'a> {
         mut framed: FramedCharacter<'a>,
         profile: Profile,
         most: u64,
-    ) -> Result<Flattened> {
+    ) -> Result<Unmeasured> {
         let mut settings = Settings {
             profile,
             quality: Quality::of(profile),
@@ -164,31 +165,34 @@ impl<'a> Maker<'a> {
             max_bytes: None,
         };
         let flat = |framed: &FramedCharacter<'a>, settings: &Settings| {
-            flatten(framed, PrepareClipOptions::default(), settings, self.work)
+            let made = unmeasured(framed, &PrepareClipOptions::default(), settings, self.work)?;
+            let sent = FileEntry::of("form.svg", &made.bytes).sent_bytes();
+            Ok::<_, Error>((made, sent))
         };
-        let mut best = flat(&framed, &settings)?;
-        let mut last = best.clone();
+        let (mut best, mut sent) = flat(&framed, &settings)?;
+        let (mut raw, mut drawn) = (best.bytes.len(), best.triangles_drawn);
         // Coarser tolerances save about a half at first, fewer triangles the rest.
-        let mut saved = if last.frames > 1 { SAVED } else { 1.0 };
+        let mut saved = if best.frames > 1 { SAVED } else { 1.0 };
         for _ in 0..ATTEMPTS {
-            let share = AIM * most as f64 / best.sizes.brotli.max(1) as f64;
-            if best.sizes.brotli <= most {
+            let share = AIM * most as f64 / sent.max(1) as f64;
+            if sent <= most {
                 break;
             }
-            settings.max_bytes = Some((share * best.sizes.raw.min(last.sizes.raw) as f64) as u64);
-            let wanted = last.triangles_drawn as f64 * (share * saved).min(1.0);
+            settings.max_bytes = Some((share * best.bytes.len().min(raw) as f64) as u64);
+            let wanted = drawn as f64 * (share * saved).min(1.0);
             saved = 1.0;
             framed = framed.with_triangles((wanted as usize).max(FEWEST))?;
-            last = flat(&framed, &settings)?;
-            if last.sizes.brotli < best.sizes.brotli {
-                best = last.clone();
+            let (made, of_made) = flat(&framed, &settings)?;
+            (raw, drawn) = (made.bytes.len(), made.triangles_drawn);
+            if of_made < sent {
+                (best, sent) = (made, of_made);
             }
         }
         Ok(best)
     }
 
-    fn entry(&self, made: Flattened, clip: Option<String>, moved_px: f64) -> Form {
-        let shows = made.representation();
+    fn entry(&self, made: Unmeasured, clip: Option<String>, moved_px: f64) -> Form {
+        let shows = made.representation;
         let entry = FlatEntry {
             modality: shows.modality,
             file: String::new(),
