@@ -178,11 +178,9 @@ impl ItemPart {
                 )?;
             }
         }
-        ranges(&self.base_ranges, self.base_bytes, self.bytes).context("base")?;
         for (l, layer) in self.layers.iter().enumerate() {
             let at = || format!("layers[{l}]");
             layer.check(l, is_texture).with_context(at)?;
-            ranges(&layer.ranges, layer.bytes, self.bytes).with_context(at)?;
         }
         let all = vec![true; count];
         if self.bytes_of(&all) != self.bytes && !is_texture {
@@ -192,6 +190,11 @@ impl ItemPart {
                 self.bytes_of(&all)
             );
             return wrong("bytes".into(), what);
+        }
+        ranges(&self.base_ranges, self.base_bytes, self.bytes).context("base")?;
+        for (l, layer) in self.layers.iter().enumerate() {
+            let of_layer = ranges(&layer.ranges, layer.bytes, self.bytes);
+            of_layer.with_context(|| format!("layers[{l}]"))?;
         }
         Ok(())
     }
