@@ -41,7 +41,7 @@ pub(in crate::item) fn parameters() -> Vec<(String, String)> {
 /// mesh one level. The mask has the regions of the context.
 ///
 /// # Errors
-/// As [`decide`].
+/// As [`decide`](super::decide).
 pub fn aqos(item: &Item, context: &Context, options: &AdaptOptions) -> Result<Aqos> {
     let rates: Vec<f64> = (0..STEPS).map(|i| LEAST_BPS * f64::from(1 << i)).collect();
     let mut rows: Vec<[f64; 5]> = Vec::with_capacity(rates.len());
