@@ -45,15 +45,34 @@ pub(crate) fn write_folder(
 ) -> anyhow::Result<Vec<(PathBuf, usize)>> {
     let path = |(name, bytes)| (folder.join::<String>(name), bytes);
     let all: Vec<(PathBuf, Vec<u8>)> = named.into_iter().map(path).collect();
-    let folders: BTreeSet<&Path> = all.iter().filter_map(|(path, _)| path.parent()).collect();
-    for folder in [folder].into_iter().chain(folders) {
-        files.make_folder(folder)?;
-    }
+    make_folders(files, folder, &all)?;
     files.write_all(&all)?;
     Ok(all
         .into_iter()
         .map(|(path, bytes)| (path, bytes.len()))
         .collect())
+}
+
+/// Writes files into a folder that grows, and makes the folders that they need: later forms replace those
+/// that were written before.
+pub(crate) fn write_again(
+    files: &Files,
+    folder: &Path,
+    named: impl IntoIterator<Item = (String, Vec<u8>)>,
+) -> articula::Result<()> {
+    let all: Vec<(PathBuf, Vec<u8>)> = (named.into_iter())
+        .map(|(name, bytes)| (folder.join(name), bytes))
+        .collect();
+    make_folders(files, folder, &all)?;
+    files.write_again(&all)
+}
+
+fn make_folders(files: &Files, folder: &Path, all: &[(PathBuf, Vec<u8>)]) -> articula::Result<()> {
+    let folders: BTreeSet<&Path> = all.iter().filter_map(|(path, _)| path.parent()).collect();
+    for folder in [folder].into_iter().chain(folders) {
+        files.make_folder(folder)?;
+    }
+    Ok(())
 }
 
 /// Whether two paths name the same existing file.

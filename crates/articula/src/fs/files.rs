@@ -19,6 +19,15 @@ pub enum Existing {
     Replaced,
 }
 
+/// What happens to a file that the same operation has written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Written {
+    /// Writing it again is an error.
+    Refused,
+    /// It is replaced.
+    Replaced,
+}
+
 /// Reads and writes the files of one operation, so that no file is lost: an input, a file that an
 /// input refers to, or an output of the same operation is never written to, under whatever name; any
 /// other existing file only with [`Existing::Replaced`]. A file appears under its name when it is
@@ -149,6 +158,10 @@ impl Files {
     /// [`Error::Exists`] for another existing file that is kept, [`Error::Io`] if it is a folder or
     /// its folder does not exist.
     pub fn check_output(&self, path: &Path) -> Result<()> {
+        self.check(path, Written::Refused)
+    }
+
+    fn check(&self, path: &Path, written: Written) -> Result<()> {
         output::check_place(path)?;
         if !output::is_file(path) {
             return Ok(());
@@ -158,6 +171,9 @@ impl Files {
             let what = "this is an input, which is never replaced; name another file to write";
             Error::argument(what)
         } else if self.has_written(path) {
+            if written == Written::Replaced {
+                return Ok(());
+            }
             Error::argument("this file was written just before; name two different files")
         } else if self.existing == Existing::Kept {
             Error::Exists("the file exists and is kept; name another file".to_owned())
@@ -180,8 +196,24 @@ impl Files {
     /// # Errors
     /// As [`write`](Self::write); before the first file if one of them may not be written.
     pub fn write_all<P: AsRef<Path>, B: AsRef<[u8]>>(&self, files: &[(P, B)]) -> Result<()> {
+        self.write_checked(files, Written::Refused)
+    }
+
+    /// Writes files that grow during the operation: of those that it wrote before, these are later forms.
+    ///
+    /// # Errors
+    /// Those of [`write_all`](Self::write_all), but for files that were written before.
+    pub fn write_again<P: AsRef<Path>, B: AsRef<[u8]>>(&self, files: &[(P, B)]) -> Result<()> {
+        self.write_checked(files, Written::Replaced)
+    }
+
+    fn write_checked<P: AsRef<Path>, B: AsRef<[u8]>>(
+        &self,
+        files: &[(P, B)],
+        written: Written,
+    ) -> Result<()> {
         for (path, _) in files {
-            self.check_output(path.as_ref())?;
+            self.check(path.as_ref(), written)?;
         }
         for (path, bytes) in files {
             let path = path.as_ref();

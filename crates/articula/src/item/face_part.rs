@@ -15,7 +15,7 @@ use articula_core::Clip;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_stream::abp2::MotionHead;
 use articula_stream::afp2::Afp2Options;
-use articula_stream::{FaceReadOptions, StreamLimits};
+use articula_stream::{Cut, FaceReadOptions, StreamLimits};
 use std::collections::BTreeSet;
 
 /// Encodes a motion of the face, measures its cuts and adds its files under a name.
@@ -26,7 +26,11 @@ pub(super) fn part(
     files: &mut NewFiles,
     work: &Executor<'_>,
 ) -> Result<ItemPart> {
-    let coded = afp2::write(&motion.clip, options).context(&motion.file)?;
+    let made = afp2::write(&motion.clip, options).context(&motion.file)?;
+    let coded = Cut {
+        bytes: made.bytes,
+        unit: made.unit,
+    };
     let limits = StreamLimits::default();
     let head = MotionHead::open(&coded.bytes, &limits)?;
     let levels: BTreeSet<u8> = head.morph_groups.iter().map(|g| g.loa).collect();
@@ -60,7 +64,7 @@ pub(super) fn part(
         layers.push(ItemLayer {
             name: format!("face loa {loa}, tier {tier}"),
             keep: keep(&[("face_loa", u32::from(*loa)), ("tier", *tier as u32)]),
-            needs: needs(i, *tier, head.tiers),
+            needs: needs(i, head.tiers),
             error_m: error.max_metres,
             error_mean_m: Some(error.mean_metres),
             ..ItemLayer::default()

@@ -332,7 +332,7 @@ fn sizes(
 }
 
 /// Files of an item that is being made.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct NewFiles(pub(super) BTreeMap<String, Vec<u8>>);
 
 impl NewFiles {

@@ -9,7 +9,6 @@ use super::part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::mesh_levels::{CodedMeshLevels, coded};
-
 use crate::work::Executor;
 use articula_build::{
     Asset, LevelDistances, MeasurementPoses, MeshLevelOptions, PoseOptions, measure_mesh,
@@ -17,7 +16,7 @@ use articula_build::{
 use articula_core::source::RawMesh;
 use articula_core::{Mesh, Mismatch};
 use articula_stream::mesh::MeshStream;
-use articula_stream::{StreamLimits, Unit};
+use articula_stream::{Cut, StreamLimits, Unit, cut};
 use std::collections::BTreeSet;
 
 /// Name of the stream.
@@ -26,7 +25,7 @@ const FILE: &str = "mesh.ams";
 const MEASURED_POSES: usize = 96;
 
 /// Triangles that are measured, and where the result belongs.
-struct Cut {
+struct Triangles {
     of: CutOf,
     triangles: Vec<[u32; 3]>,
 }
@@ -42,6 +41,16 @@ enum CutOf {
         level: usize,
         others: usize,
     },
+}
+
+impl CutOf {
+    /// The finest level that is shown.
+    fn finest(self) -> usize {
+        match self {
+            Self::Level(level) => level,
+            Self::Region { level, others, .. } => level.min(others),
+        }
+    }
 }
 
 /// The cuts whose errors are measured: all levels, and each region at each of its own levels beside
@@ -63,12 +72,12 @@ fn wanted(count: usize, base: usize, regions: &BTreeSet<u32>) -> Vec<CutOf> {
 
 /// Cuts with their errors.
 struct Measured {
-    cuts: Vec<Cut>,
+    cuts: Vec<Triangles>,
     distances: Vec<LevelDistances>,
 }
 
 impl Measured {
-    fn found(&self, of: CutOf) -> Option<(&Cut, &LevelDistances)> {
+    fn found(&self, of: CutOf) -> Option<(&Triangles, &LevelDistances)> {
         let found = self.cuts.iter().position(|cut| cut.of == of);
         found.map(|i| (&self.cuts[i], &self.distances[i]))
     }
@@ -135,14 +144,42 @@ impl Measured {
 pub(super) fn part(
     figure: &Figure,
     clips: &[usize],
-    made: CodedMeshLevels,
+    made: &CodedMeshLevels,
+    files: &mut NewFiles,
+    work: &Executor<'_>,
+) -> Result<ItemPart> {
+    let bytes = made.stream.bytes.clone();
+    let unit = MeshStream::open(&bytes, &StreamLimits::default())?.unit();
+    measured_part(figure, clips, (made, Cut { bytes, unit }, 0), files, work)
+}
+
+/// Adds the coarsest level alone, and measures it.
+pub(super) fn base(
+    figure: &Figure,
+    clips: &[usize],
+    made: &CodedMeshLevels,
+    files: &mut NewFiles,
+    work: &Executor<'_>,
+) -> Result<ItemPart> {
+    let bytes = &made.stream.bytes;
+    let unit = MeshStream::open(bytes, &StreamLimits::default())?.unit();
+    let coarsest = made.levels.table.levels.len().saturating_sub(1);
+    let is_kept = |unit: &Unit| unit.marker("level").is_none_or(|l| l as usize >= coarsest);
+    let stream = cut(bytes, &unit, is_kept).context(FILE)?;
+    measured_part(figure, clips, (made, stream, coarsest), files, work)
+}
+
+/// Adds a stream whose finest level is `finest`, and measures its layers in frames of these clips.
+fn measured_part(
+    figure: &Figure,
+    clips: &[usize],
+    (made, stream, finest): (&CodedMeshLevels, Cut, usize),
     files: &mut NewFiles,
     work: &Executor<'_>,
 ) -> Result<ItemPart> {
     const WHAT: &str = "measuring meshes";
     let limits = StreamLimits::default();
-    let bytes = made.stream.bytes;
-    let unit = MeshStream::open(&bytes, &limits)?.unit();
+    let Cut { bytes, unit } = stream;
     let shown = Shown::new(figure, &bytes, &limits).context(FILE)?;
     let table = &made.levels.table;
     let count = table.levels.len();
@@ -153,10 +190,9 @@ pub(super) fn part(
     } else {
         0
     };
-    let cuts: Vec<Cut> = wanted(count, base, &regions)
-        .into_iter()
-        .map(|of| shown.cut(of))
-        .collect();
+    let wanted = wanted(count, base, &regions).into_iter();
+    let wanted = wanted.filter(|of| of.finest() >= finest);
+    let cuts: Vec<Triangles> = wanted.map(|of| shown.cut(of)).collect();
     work.step(WHAT, 0, 1)?;
     let (distances, poses) = shown.measured(figure, clips, &cuts)?;
     work.step(WHAT, 1, 1)?;
@@ -266,7 +302,7 @@ impl Shown {
     }
 
     /// The triangles of a cut over all vertices.
-    fn cut(&self, of: CutOf) -> Cut {
+    fn cut(&self, of: CutOf) -> Triangles {
         let level_of = |own: u32| match of {
             CutOf::Level(level) => level,
             CutOf::Region {
@@ -294,7 +330,7 @@ impl Shown {
             let own = object.at_level(level_of(object.region));
             triangles.extend(own.map(|t| t.map(|v| v + first)));
         }
-        Cut { of, triangles }
+        Triangles { of, triangles }
     }
 
     /// Measures cuts in frames of the packaged clips, since no others are shown.
@@ -302,7 +338,7 @@ impl Shown {
         &self,
         figure: &Figure,
         clips: &[usize],
-        cuts: &[Cut],
+        cuts: &[Triangles],
     ) -> Result<(Vec<LevelDistances>, MeasurementPoses), Mismatch> {
         let triangles: Vec<&[[u32; 3]]> = cuts.iter().map(|c| c.triangles.as_slice()).collect();
         let of_figure = &figure.asset.clips;

@@ -13,10 +13,11 @@
 //!
 //! In the order of the work:
 //!
-//! - `options`, `package`: from a character to an item
+//! - `options`, `package`, `draft`: from a character to an item, in stages
 //! - `figure`: the character without geometry, clips and large pictures
 //! - `mesh_part`, `motion_part`, `face_part`, `texture_part`, `flat`: its parts, with measured errors
 //! - `motion_error`: the error of motions at the skin
+//! - `carried`: files that are never cut
 //! - `manifest`, `part`, `check`: what an item holds, as JSON
 //! - `governed`: which units belong to which layers, and where they lie
 //! - `sent`: how files travel; `rounding`: numbers of few digits, for short manifests
@@ -45,10 +46,12 @@
 
 mod adapt;
 mod assemble;
+mod carried;
 mod check;
 mod decision_report;
 mod decoded_mesh;
 mod documents;
+mod draft;
 mod face_part;
 mod figure;
 mod files;
@@ -76,6 +79,6 @@ pub use documents::{AQOS, DID, STYLESHEET, declaration, documents, gbsd};
 pub use files::{INDEX_EXTENSION, Item, MANIFEST};
 pub use manifest::{FigureEntry, FlatEntry, Manifest, WholeFile};
 pub use options::{CarriedFile, FaceMotion, PackageOptions};
-pub use package::package;
+pub use package::{StageCallback, package, package_in_stages};
 pub use part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry, TextureView};
 pub use sent::FileEntry;

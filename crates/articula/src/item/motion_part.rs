@@ -10,95 +10,167 @@ use crate::figure::Figure;
 use crate::work::Executor;
 use articula_core::Clip;
 use articula_formats::Limits;
-use articula_stream::abp2::{EncodedMotion, Grouping, MotionHead, MotionOptions};
-use articula_stream::{Unit, cut};
+use articula_stream::abp2::{Grouping, MotionHead, MotionOptions};
+use articula_stream::{Cut, StreamLimits, Unit, cut};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Encodes a clip, measures its cuts and adds its files under a name.
-pub(super) fn part(
-    figure: &Figure,
+/// A clip as a stream whose cuts are not measured yet.
+pub(super) struct CodedMotion {
     clip: usize,
-    (stem, options): (&str, &MotionOptions),
-    files: &mut NewFiles,
-    work: &Executor<'_>,
-) -> Result<ItemPart> {
-    let truth = &figure.asset.clips[clip];
-    let opened = &figure.opened;
-    let coded = write(opened.character(), &opened.articulation(), clip, options)?;
-    let stream_limits = articula_stream::StreamLimits::default();
-    let head = MotionHead::open(&coded.bytes, &stream_limits)?;
-    let levels: Vec<u8> = levels(&head);
-    let grid = levels
-        .iter()
-        .flat_map(|loa| (0..head.tiers).rev().map(|tier| (*loa, tier)));
-    let grid: Vec<(u8, usize)> = grid.collect();
-    let regions = regions(&head);
+    file: String,
+    stream: Cut,
+}
 
-    let mut cuts = vec![without_units(&coded)?];
-    for (loa, tier) in &grid {
-        cuts.push(kept(&coded, |unit| {
-            unit.marker("loa").is_none_or(|l| l <= u32::from(*loa))
-                && unit.marker("tier").is_none_or(|t| t as usize >= *tier)
-        })?);
+impl CodedMotion {
+    /// Encodes a clip for a file of this name.
+    pub(super) fn new(
+        figure: &Figure,
+        clip: usize,
+        (stem, options): (&str, &MotionOptions),
+    ) -> Result<Self> {
+        let opened = &figure.opened;
+        let made = write(opened.character(), &opened.articulation(), clip, options)?;
+        Ok(Self {
+            clip,
+            file: format!("clips/{stem}.abp"),
+            stream: Cut {
+                bytes: made.bytes,
+                unit: made.unit,
+            },
+        })
     }
-    for region in &regions {
-        cuts.push(kept(&coded, |unit| {
-            unit.marker("region") != Some(u32::from(*region))
-        })?);
-    }
-    let faces = face_levels(&head);
-    for finest in &faces {
-        cuts.push(kept(&coded, |unit| {
-            unit.marker("face_loa")
-                .is_none_or(|l| l <= u32::from(*finest))
-        })?);
-    }
-    let (rig, name) = (&figure.asset.rig, figure.opened.name());
-    let decoded = |bytes: &Vec<u8>| decode(bytes, rig, name, &Limits::default());
-    let clips: Vec<Clip> = cuts.iter().map(decoded).collect::<Result<_>>()?;
-    let (errors, frames) = measured(&figure.asset, truth, &clips, work)?;
-    let (of_grid, without) = errors[1..].split_at(grid.len());
-    let (of_regions, of_faces) = without.split_at(regions.len());
 
-    let mut layers: Vec<ItemLayer> = Vec::with_capacity(grid.len());
-    for (i, ((loa, tier), error)) in grid.iter().zip(of_grid).enumerate() {
-        layers.push(ItemLayer {
-            name: format!("loa {loa}, tier {tier}"),
-            keep: keep(&[("loa", u32::from(*loa)), ("tier", *tier as u32)]),
-            needs: needs(i, *tier, head.tiers),
-            error_m: error.max_metres,
-            error_mean_m: Some(error.mean_metres),
-            joints: Some(joints(figure, *loa)),
-            ..ItemLayer::default()
+    /// Index of the clip.
+    pub(super) fn clip(&self) -> usize {
+        self.clip
+    }
+
+    /// Adds all of the stream, with the errors of each level at each tier and of leaving regions out.
+    pub(super) fn part(
+        self,
+        figure: &Figure,
+        files: &mut NewFiles,
+        work: &Executor<'_>,
+    ) -> Result<ItemPart> {
+        let head = MotionHead::open(&self.stream.bytes, &StreamLimits::default())?;
+        let cuts = Cuts {
+            levels: levels(&head),
+            tiers: (0..head.tiers).rev().collect(),
+            regions: regions(&head),
+            face_levels: face_levels(&head),
+        };
+        cuts.part(figure, (self.clip, &self.file, self.stream), files, work)
+    }
+
+    /// Adds the coarsest tier of the stream alone, with the errors of each level.
+    pub(super) fn base(
+        &self,
+        figure: &Figure,
+        files: &mut NewFiles,
+        work: &Executor<'_>,
+    ) -> Result<ItemPart> {
+        let head = MotionHead::open(&self.stream.bytes, &StreamLimits::default())?;
+        let coarsest = head.tiers.saturating_sub(1);
+        let is_kept = |unit: &Unit| unit.marker("tier").is_none_or(|t| t as usize >= coarsest);
+        let stream = cut(&self.stream.bytes, &self.stream.unit, is_kept)?;
+        let cuts = Cuts {
+            levels: levels(&head),
+            tiers: vec![coarsest],
+            regions: BTreeSet::new(),
+            face_levels: Vec::new(),
+        };
+        cuts.part(figure, (self.clip, &self.file, stream), files, work)
+    }
+}
+
+/// The cuts of a stream that are measured.
+struct Cuts {
+    /// Levels of articulation, coarsest first.
+    levels: Vec<u8>,
+    /// Tiers, coarsest first.
+    tiers: Vec<usize>,
+    regions: BTreeSet<u8>,
+    face_levels: Vec<u8>,
+}
+
+impl Cuts {
+    /// Measures the cuts of a clip's stream and adds it under a name.
+    fn part(
+        self,
+        figure: &Figure,
+        (clip, file, coded): (usize, &str, Cut),
+        files: &mut NewFiles,
+        work: &Executor<'_>,
+    ) -> Result<ItemPart> {
+        let truth = &figure.asset.clips[clip];
+        let tiers = self.tiers.iter();
+        let grid = (self.levels.iter()).flat_map(|loa| tiers.clone().map(move |t| (*loa, *t)));
+        let grid: Vec<(u8, usize)> = grid.collect();
+        let mut cuts = vec![without_units(&coded)?];
+        for (loa, tier) in &grid {
+            cuts.push(kept(&coded, |unit| {
+                unit.marker("loa").is_none_or(|l| l <= u32::from(*loa))
+                    && unit.marker("tier").is_none_or(|t| t as usize >= *tier)
+            })?);
+        }
+        for region in &self.regions {
+            cuts.push(kept(&coded, |unit| {
+                unit.marker("region") != Some(u32::from(*region))
+            })?);
+        }
+        for finest in &self.face_levels {
+            cuts.push(kept(&coded, |unit| {
+                unit.marker("face_loa")
+                    .is_none_or(|l| l <= u32::from(*finest))
+            })?);
+        }
+        let (rig, name) = (&figure.asset.rig, figure.opened.name());
+        let decoded = |bytes: &Vec<u8>| decode(bytes, rig, name, &Limits::default());
+        let clips: Vec<Clip> = cuts.iter().map(decoded).collect::<Result<_>>()?;
+        let (errors, frames) = measured(&figure.asset, truth, &clips, work)?;
+        let (of_grid, without) = errors[1..].split_at(grid.len());
+        let (of_regions, of_faces) = without.split_at(self.regions.len());
+
+        let mut layers: Vec<ItemLayer> = Vec::with_capacity(grid.len());
+        for (i, ((loa, tier), error)) in grid.iter().zip(of_grid).enumerate() {
+            layers.push(ItemLayer {
+                name: format!("loa {loa}, tier {tier}"),
+                keep: keep(&[("loa", u32::from(*loa)), ("tier", *tier as u32)]),
+                needs: needs(i, self.tiers.len()),
+                error_m: error.max_metres,
+                error_mean_m: Some(error.mean_metres),
+                joints: Some(joints(figure, *loa)),
+                ..ItemLayer::default()
+            });
+        }
+        let (without_regions, without_faces) = cuts[1 + grid.len()..].split_at(self.regions.len());
+        let without = without_regions.iter().zip(of_regions);
+        let regions = region_entries(false, &self.regions, without);
+        let face_levels = self.face_levels.into_iter();
+        let face_levels = face_levels.zip(without_faces.iter().zip(of_faces));
+        let face_levels = face_levels.map(|(finest, without)| RegionEntry {
+            name: format!("face above level {finest}"),
+            ..region_entry(finest, without)
         });
+        let mut part = ItemPart {
+            base_error_m: Some(errors[0].max_metres),
+            duration_secs: Some(f64::from(truth.duration_secs())),
+            rate_hz: Some(f64::from(truth.rate_hz())),
+            frames_measured: Some(frames as u64),
+            layers,
+            regions,
+            face_levels: face_levels.collect(),
+            ..ItemPart::new(&truth.name, PartKind::BodyMotion)
+        };
+        part.put_stream(file, coded.bytes, &coded.unit, files)?;
+        Ok(part)
     }
-    let (without_regions, without_faces) = cuts[1 + grid.len()..].split_at(regions.len());
-    let without = without_regions.iter().zip(of_regions);
-    let regions = region_entries(false, &regions, without);
-    let face_levels = faces.into_iter().zip(without_faces.iter().zip(of_faces));
-    let face_levels = face_levels.map(|(finest, without)| RegionEntry {
-        name: format!("face above level {finest}"),
-        ..region_entry(finest, without)
-    });
-    let file = format!("clips/{stem}.abp");
-    let mut part = ItemPart {
-        base_error_m: Some(errors[0].max_metres),
-        duration_secs: Some(f64::from(truth.duration_secs())),
-        rate_hz: Some(f64::from(truth.rate_hz())),
-        frames_measured: Some(frames as u64),
-        layers,
-        regions,
-        face_levels: face_levels.collect(),
-        ..ItemPart::new(&truth.name, PartKind::BodyMotion)
-    };
-    part.put_stream(&file, coded.bytes, &coded.unit, files)?;
-    Ok(part)
 }
 
 /// Indices of the layers that the layer `i` of a motion needs: the next coarser level at its tier, and
 /// its level one tier coarser. Layers are listed by level and, within it, by tier, coarsest first.
-pub(super) fn needs(i: usize, tier: usize, tiers: usize) -> Vec<usize> {
-    let coarser = (tier + 1 < tiers).then(|| i - 1);
+pub(super) fn needs(i: usize, tiers: usize) -> Vec<usize> {
+    let coarser = (!i.is_multiple_of(tiers)).then(|| i - 1);
     i.checked_sub(tiers).into_iter().chain(coarser).collect()
 }
 
@@ -155,12 +227,12 @@ fn joints(figure: &Figure, loa: u8) -> u64 {
 }
 
 /// A stream cut by its units.
-pub(super) fn kept(coded: &EncodedMotion, keeps: impl Fn(&Unit) -> bool) -> Result<Vec<u8>> {
+pub(super) fn kept(coded: &Cut, keeps: impl Fn(&Unit) -> bool) -> Result<Vec<u8>> {
     Ok(cut(&coded.bytes, &coded.unit, keeps).context("cut")?.bytes)
 }
 
 /// A stream without any unit of a tier.
-pub(super) fn without_units(coded: &EncodedMotion) -> Result<Vec<u8>> {
+pub(super) fn without_units(coded: &Cut) -> Result<Vec<u8>> {
     kept(coded, |unit| unit.marker("tier").is_none())
 }
 

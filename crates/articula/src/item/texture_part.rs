@@ -44,24 +44,50 @@ pub(super) fn parts(
     files: &mut NewFiles,
     work: &Executor<'_>,
 ) -> Result<Textures> {
-    let character = figure.opened.character();
+    let scene = Scene::new(figure, options, &options.texture_distances_m)?;
+    made(&scene, stripped, (options, sizes), files, work)
+}
+
+/// Adds each of these textures at one small size, compared at the nearest distance, where its error is
+/// greatest.
+pub(super) fn base(
+    figure: &Figure,
+    stripped: &StrippedFigure,
+    options: &PackageOptions,
+    files: &mut NewFiles,
+    work: &Executor<'_>,
+) -> Result<Textures> {
+    let distances = options.texture_distances_m.iter().copied();
+    let nearest: Vec<f32> = distances.min_by(f32::total_cmp).into_iter().collect();
+    let scene = Scene::new(figure, options, &nearest)?;
+    made(&scene, stripped, (options, smallest), files, work)
+}
+
+/// Reduces a picture: its index, itself, whether it holds colours, and options.
+type Reduce = fn(usize, &Image, bool, &PackageOptions) -> Result<Sizes>;
+
+fn made(
+    scene: &Scene<'_>,
+    stripped: &StrippedFigure,
+    (options, reduce): (&PackageOptions, Reduce),
+    files: &mut NewFiles,
+    work: &Executor<'_>,
+) -> Result<Textures> {
+    let character = scene.figure.opened.character();
     let images = character.images.iter().enumerate();
     let images = images.filter(|(i, _)| stripped.is_replaced.get(*i) == Some(&true));
     let images: Vec<(usize, &Image)> = images.collect();
     let holds_colors = |i: usize| stripped.holds_colors.get(i) != Some(&false);
     let sized = work.map("reducing textures", images, |(i, image)| {
-        Ok((i, sizes(i, image, holds_colors(i), options)))
+        Ok((i, reduce(i, image, holds_colors(i), options)))
     })?;
-    let scene = Scene::new(figure, options)?;
     let mut names = Names::default();
     let mut textures = Textures::default();
     for (image, sizes) in sized {
         let name = &character.images[image].name;
         let stem = names.stem("textures", name, &format!("picture-{image}"));
         match sizes {
-            Ok(sizes) => textures
-                .parts
-                .push(part(&scene, sizes, &stem, files, work)?),
+            Ok(sizes) => textures.parts.push(part(scene, sizes, &stem, files, work)?),
             Err(error) => {
                 let what = format!("picture {image}: one pixel stands for it: {error}");
                 textures.warnings.push(what);
@@ -81,9 +107,7 @@ fn sizes(
 ) -> Result<Sizes> {
     let picture = Picture::decode(&original.bytes)?;
     let mut files = vec![(original.bytes.clone(), [picture.width(), picture.height()])];
-    let (mut width, mut height) = (picture.width(), picture.height());
-    while width.max(height) / 2 >= options.least_texture_px.max(1) {
-        (width, height) = ((width / 2).max(1), (height / 2).max(1));
+    for (width, height) in halves(&picture, options) {
         let reduced = picture.resized((width, height), averaging(holds_colors))?;
         let bytes = reduced.to_small_png()?;
         if files
@@ -99,6 +123,39 @@ fn sizes(
         picture,
         files,
     })
+}
+
+/// The smallest size alone, or the original if that needs fewer bytes.
+fn smallest(
+    image: usize,
+    original: &Image,
+    holds_colors: bool,
+    options: &PackageOptions,
+) -> Result<Sizes> {
+    let picture = Picture::decode(&original.bytes)?;
+    let mut file = (original.bytes.clone(), [picture.width(), picture.height()]);
+    if let Some((width, height)) = halves(&picture, options).last() {
+        let reduced = picture.resized((width, height), averaging(holds_colors))?;
+        let bytes = reduced.to_small_png()?;
+        if bytes.len() < file.0.len() {
+            file = (bytes, [width, height]);
+        }
+    }
+    Ok(Sizes {
+        image,
+        picture,
+        files: vec![file],
+    })
+}
+
+/// Sizes of half the width and height of the one before, from a picture on.
+fn halves(picture: &Picture, options: &PackageOptions) -> impl Iterator<Item = (u32, u32)> {
+    let least = options.least_texture_px.max(1);
+    let half = move |(width, height): &(u32, u32)| {
+        let is_large = (*width).max(*height) / 2 >= least;
+        is_large.then(|| ((width / 2).max(1), (height / 2).max(1)))
+    };
+    std::iter::successors(half(&(picture.width(), picture.height())), half)
 }
 
 fn part(
@@ -206,7 +263,7 @@ struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    fn new(figure: &'a Figure, options: &PackageOptions) -> Result<Self> {
+    fn new(figure: &'a Figure, options: &PackageOptions, distances_m: &[f32]) -> Result<Self> {
         let asset = &figure.asset;
         let character = figure.opened.character();
         let (appearance, _) = Appearance::new(&character.materials, &character.images);
@@ -226,7 +283,7 @@ impl<'a> Scene<'a> {
         let Some(bounds) = bounds else {
             return Ok(scene);
         };
-        for distance_m in &options.texture_distances_m {
+        for distance_m in distances_m {
             let view = scene.view(&bounds, turn, *distance_m, &options.viewport)?;
             scene.views.push(view);
         }

@@ -37,6 +37,7 @@ mod real;
 mod round_trips;
 mod shaders;
 mod short;
+mod staged_items;
 mod streams;
 mod travelling_items;
 mod zero_poses;

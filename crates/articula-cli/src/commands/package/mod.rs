@@ -1,6 +1,7 @@
 //! `articula package IN ITEM/`: packages a character as a digital item, a folder of streams that can be
 //! cut.
 
+mod folder;
 pub(crate) mod report;
 
 use crate::arguments::ReadArgs;
@@ -8,9 +9,12 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use articula::formats::Limits;
-use articula::item::{CarriedFile, FaceMotion, MANIFEST, PackageOptions, documents, package};
+use articula::item::{
+    CarriedFile, FaceMotion, MANIFEST, PackageOptions, documents, package_in_stages,
+};
 use articula::{Data, clip_resampling};
 use clap::Args;
+use folder::ItemFolder;
 use report::ItemReport;
 use std::path::{Path, PathBuf};
 
@@ -61,9 +65,13 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     if !options.clips.is_empty() {
         resampling.retain(|clip| options.clips.contains(&clip.clip));
     }
-    let item = console.work(|work| package(opened, &options, work))?;
-    let written = item.files().into_iter().chain(documents(&item)?);
-    files::write_folder(&console.files, &args.item, written)?;
+    let mut folder = ItemFolder::new(&console.files, &args.item);
+    let item = console.work(|work| {
+        package_in_stages(opened, &options, work, &mut |stage| {
+            folder.write(stage, Vec::new())
+        })
+    })?;
+    folder.write(&item, documents(&item)?)?;
     let report = ItemReport {
         bytes_in: Some(bytes_in),
         resampling,

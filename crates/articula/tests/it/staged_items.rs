@@ -1,0 +1,119 @@
+//! Items that are packaged in stages: each is complete, and holds what the one before does.
+
+use crate::real;
+use crate::short::shortened;
+use articula::item::{
+    Item, ItemPart, MANIFEST, PackageOptions, PartKind, assemble, package, package_in_stages,
+};
+use articula::{CharacterFile, Error, Executor, OpenOptions, fs};
+use articula_core::source::RawClip;
+use articula_formats::Limits;
+
+/// A character with a texture and two clips.
+fn textured() -> Option<CharacterFile> {
+    let mut file = shortened(fs::open(real::file("glb/CesiumMan.glb")?).unwrap(), 0.3);
+    let second = RawClip {
+        name: "second".to_owned(),
+        ..file.character().clips[0].clone()
+    };
+    file.clips_mut().push(second);
+    Some(file)
+}
+
+fn options() -> PackageOptions {
+    PackageOptions {
+        mesh_levels: 3,
+        flat: false,
+        texture_distances_m: vec![3.0, 12.0],
+        ..PackageOptions::default()
+    }
+}
+
+/// The item, opened again from its files.
+fn reopened(item: &Item) -> Item {
+    let files = item.files();
+    let file = |name: &str| files.iter().find(|f| f.0 == name).map(|f| f.1.clone());
+    let manifest = file(MANIFEST).unwrap();
+    let mut resolver = |name: &str| file(name).ok_or_else(|| "there is no such file".into());
+    Item::open(&manifest, &Limits::default(), &mut resolver).unwrap()
+}
+
+/// The part of the same kind and name.
+fn same<'a>(item: &'a Item, part: &ItemPart) -> &'a ItemPart {
+    let mut parts = item.manifest.parts.iter();
+    let found = parts.find(|p| (p.kind, &p.name) == (part.kind, &part.name));
+    found.unwrap_or_else(|| panic!("{:?} {}", part.kind, part.name))
+}
+
+#[test]
+fn every_stage_is_an_item_of_which_the_next_one_has_all() {
+    let Some(file) = textured() else { return };
+    let work = Executor::default();
+    let mut stages: Vec<Item> = Vec::new();
+    let last = package_in_stages(file.clone(), &options(), &work, &mut |item| {
+        stages.push(item.clone());
+        Ok(())
+    });
+    stages.push(last.unwrap());
+    let whole = package(file, &options(), &work).unwrap();
+    assert!(*stages.last().unwrap() == whole, "stages end with the item");
+    // Base, textures, the first clip, mesh levels, the second clip.
+    assert_eq!(stages.len(), 5);
+
+    for stage in &stages {
+        assert_eq!(reopened(stage), *stage);
+        let shown = assemble(stage, &OpenOptions::default()).unwrap();
+        assert!(
+            !shown.character().meshes[0].primitives[0]
+                .triangles
+                .is_empty()
+        );
+        assert!(!shown.character().clips.is_empty());
+    }
+    for pair in stages.windows(2) {
+        let [before, after] = pair else { continue };
+        assert!(after.sent_bytes() >= before.sent_bytes());
+        for part in &before.manifest.parts {
+            let of_after = same(after, part);
+            if part.kind == PartKind::Texture {
+                continue;
+            }
+            // What was made is a cut of what is made.
+            let named = |layer: usize| {
+                let name = &of_after.layers[layer].name;
+                part.layers.iter().position(|l| l.name == *name)
+            };
+            let cut = after.kept(|p, layer| {
+                (p.kind, &p.name) != (part.kind, &part.name) || named(layer).is_some()
+            });
+            let file = part.file.as_deref().unwrap();
+            assert!(cut.unwrap().file(file) == before.file(file), "{file}");
+            for (layer, name) in (0..of_after.layers.len()).filter_map(|l| Some((l, named(l)?))) {
+                let (error, stated) = (of_after.layers[layer].error_m, part.layers[name].error_m);
+                // Meshes of the base are measured in one clip alone.
+                match part.kind {
+                    PartKind::Mesh => assert!(stated > 0.0 && stated < 2.0 * error),
+                    _ => assert_eq!(stated, error, "{} {file}", part.layers[name].name),
+                }
+            }
+        }
+    }
+
+    let base = &stages[0];
+    let tiers = whole.manifest.parts.iter().map(|p| p.layers.len());
+    assert!(tiers.max() > Some(5));
+    assert!(base.manifest.parts.iter().all(|p| p.layers.len() <= 4));
+    assert!(3 * base.sent_bytes() < whole.sent_bytes());
+}
+
+#[test]
+fn an_error_of_the_caller_stops_the_work() {
+    let Some(file) = textured() else { return };
+    let mut stages = 0;
+    let stopped = package_in_stages(file, &options(), &Executor::default(), &mut |_| {
+        stages += 1;
+        Err(Error::Io("the disk is full".to_owned()))
+    });
+    assert!(matches!(stopped, Err(Error::Io(what)) if what == "the disk is full"));
+    assert_eq!(stages, 1);
+}
