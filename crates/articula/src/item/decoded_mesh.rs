@@ -33,13 +33,12 @@ pub(super) struct DecodedMeshes {
     pub(super) objects: Vec<DecodedObject>,
 }
 
-/// Decodes a stream, whole or cut, for the meshes of a figure.
+/// Returns what was received of a stream for the meshes of a figure.
 pub(super) fn decoded(
-    bytes: &[u8],
+    received: &Receiver,
     meshes: &[RawMesh],
     limits: &StreamLimits,
 ) -> Result<DecodedMeshes> {
-    let received = Receiver::read(bytes, limits)?;
     let stream = received.stream();
     let mut made = DecodedMeshes {
         primitives: BTreeMap::new(),

@@ -15,7 +15,7 @@ use articula_build::{
 };
 use articula_core::source::RawMesh;
 use articula_core::{Mesh, Mismatch};
-use articula_stream::mesh::MeshStream;
+use articula_stream::mesh::{MeshStream, Receiver};
 use articula_stream::{Cut, StreamLimits, Unit, cut};
 use std::collections::BTreeSet;
 
@@ -281,7 +281,7 @@ struct Shown {
 impl Shown {
     fn new(figure: &Figure, bytes: &[u8], limits: &StreamLimits) -> Result<Self> {
         let source = &figure.opened.character().meshes;
-        let decoded = decoded(bytes, source, limits)?;
+        let decoded = decoded(&Receiver::read(bytes, limits)?, source, limits)?;
         let mut meshes: Vec<RawMesh> = Vec::with_capacity(source.len());
         for (m, mesh) in source.iter().enumerate() {
             let primitive = |p: usize| {

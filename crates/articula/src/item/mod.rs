@@ -9,6 +9,8 @@
 //! Item ─ Item::kept ─▶ Item: fewer layers, cut by unit tree alone
 //! Item, Context ─ decide ─▶ ItemDecision ─ adapt ─▶ AdaptedItem: what is sent in a context
 //! Item ─ assemble ─▶ CharacterFile: what the item holds, whole or cut
+//! Manifest, ItemCut ─ ItemReceiver::missing ─▶ ItemBytes to fetch ─ ItemReceiver::receive ─▶ ItemReceiver
+//! ItemReceiver ─ ItemReceiver::character ─▶ CharacterFile: what has arrived
 //! ```
 //!
 //! In the order of the work:
@@ -24,7 +26,8 @@
 //! - `name`, `files`: names of files, and the item itself
 //! - `adapt`: from an item to one that a context asks for; `decision_report`: what was decided, as JSON
 //! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
-//! - `decoded_mesh`, `assemble`: from an item to a character
+//! - `decoded_mesh`, `shown`, `assemble`: from an item to a character
+//! - `wanted`, `pieces`, `receiver`: the same while its bytes arrive, in any order
 //!
 //! ```no_run
 //! use articula::item::{PackageOptions, PartKind, assemble, package};
@@ -65,9 +68,13 @@ mod name;
 mod options;
 mod package;
 mod part;
+mod pieces;
+mod receiver;
 mod rounding;
 mod sent;
+mod shown;
 mod texture_part;
+mod wanted;
 
 pub use adapt::{
     AdaptOptions, AdaptedItem, ItemCut, ItemDecision, ItemParts, PartLayers, Regions, Transform,
@@ -81,4 +88,6 @@ pub use manifest::{FigureEntry, FlatEntry, Manifest, WholeFile};
 pub use options::{CarriedFile, FaceMotion, PackageOptions};
 pub use package::{StageCallback, package, package_in_stages};
 pub use part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry, TextureView};
+pub use receiver::{ItemChange, ItemReceiver};
 pub use sent::FileEntry;
+pub use wanted::ItemBytes;

@@ -34,6 +34,7 @@ mod prepared;
 mod promised_errors;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
+mod received_items;
 mod round_trips;
 mod shaders;
 mod short;

@@ -1,0 +1,412 @@
+//! Client side of an item: bytes of its files as they arrive, a character that refines.
+
+use super::adapt::ItemCut;
+use super::assemble::faps;
+use super::check;
+use super::decoded_mesh::decoded;
+use super::manifest::Manifest;
+use super::part::{ItemPart, PartKind};
+use super::pieces::Pieces;
+use super::shown::{Shown, ShownFigure};
+use super::wanted::ItemBytes;
+use crate::clip_streams::abp2::is_of_rig;
+use crate::clip_streams::face_clip::fap_clip;
+use crate::clip_streams::stream_limits;
+use crate::error::{Context, Error, Result};
+use crate::open::{CharacterFile, OpenOptions};
+use articula_core::{Clip, Rig};
+use articula_formats::mpeg4::fap::FapClip;
+use articula_stream::abp2::MotionReceiver;
+use articula_stream::afp2::FaceReceiver;
+use articula_stream::mesh;
+use articula_stream::{ByteRanges, FaceReadOptions, StreamError, StreamLimits};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::ops::Range;
+
+/// Receives bytes of the files of an item in any order, and shows at every moment what is there.
+///
+/// A client gets the manifest, decides, and fetches [`Self::missing`]: what a cut needs and is not held
+/// yet, file by file. Bytes are those of the whole files, so what was fetched for one cut stays of use for
+/// any other, whether it has more or fewer layers. What is shown depends on what is there, not on the
+/// order in which it came: of a texture the largest size that is whole, of a motion and a mesh what the
+/// stream's own receiver shows.
+///
+/// A file that is whole is checked against its hash; streams check their units and chunks as they come.
+#[derive(Debug)]
+pub struct ItemReceiver {
+    manifest: Manifest,
+    options: OpenOptions,
+    limits: StreamLimits,
+    files: BTreeMap<String, Pieces>,
+    /// Rig of the figure, once its file is whole.
+    rig: Option<Rig>,
+    streams: BTreeMap<usize, Stream>,
+}
+
+/// The receiver of a part's stream.
+#[derive(Debug)]
+enum Stream {
+    Motion(Box<MotionReceiver>),
+    Face(Box<FaceReceiver>),
+    Mesh(Box<mesh::Receiver>),
+}
+
+/// What bytes changed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ItemChange {
+    /// Nothing that is shown.
+    Nothing,
+    /// The figure is there: everything is shown anew.
+    Figure,
+    /// Objects of the mesh stream of the part of this index are finer.
+    Mesh {
+        /// Index of the part.
+        part: usize,
+    },
+    /// Frames of the motion of a part.
+    Motion {
+        /// Index of the part.
+        part: usize,
+        /// The frames.
+        frames: Range<usize>,
+    },
+    /// A size of a texture is whole.
+    Texture {
+        /// Index of the part.
+        part: usize,
+    },
+    /// A form in 2D or a file that is carried is whole.
+    File,
+}
+
+impl ItemReceiver {
+    /// Creates a receiver of the item of a manifest.
+    ///
+    /// # Errors
+    /// An [`Error`] that names the member of the manifest, as [`Item::open`](super::Item::open).
+    pub fn new(manifest: &[u8], options: &OpenOptions) -> Result<Self> {
+        let manifest = check::read(manifest, &options.limits).context(super::MANIFEST)?;
+        let sizes = manifest.sizes().into_iter();
+        let files = sizes.map(|(name, bytes)| (name.to_owned(), Pieces::of_length(bytes)));
+        Ok(Self {
+            files: files.collect(),
+            limits: stream_limits(&options.limits),
+            options: options.clone(),
+            manifest,
+            rig: None,
+            streams: BTreeMap::new(),
+        })
+    }
+
+    /// Returns the manifest.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Returns the bytes that are held.
+    pub fn held(&self) -> ItemBytes {
+        let mut held = ItemBytes::default();
+        for (name, pieces) in &self.files {
+            held.add(name, pieces.there().ranges().iter().cloned());
+        }
+        held
+    }
+
+    /// Returns the bytes that are needed for a cut and not held. A size of a texture is not needed where
+    /// a larger one is held.
+    ///
+    /// # Errors
+    /// As [`Manifest::wanted`].
+    pub fn missing(&self, cut: &ItemCut) -> Result<ItemBytes> {
+        let mut held = self.held();
+        let textures = self.manifest.parts.iter();
+        for part in textures.filter(|part| part.kind == PartKind::Texture) {
+            let Some((largest, _)) = self.largest(part) else {
+                continue;
+            };
+            // Sizes rise.
+            let smaller = part
+                .layers
+                .iter()
+                .filter_map(|l| Some((l.file.as_deref()?, l.bytes)));
+            for (file, bytes) in smaller.take_while(|(file, _)| *file != largest) {
+                held.add(file, std::iter::once(0..bytes));
+            }
+        }
+        Ok(self.manifest.wanted(cut)?.without(&held))
+    }
+
+    /// Takes bytes of a file from byte `offset` on, in any order and also again, and returns what changed.
+    /// Bytes of a stream begin where a range of [`Self::missing`] does, or where bytes that it took ended.
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file: one that the item does not have, bytes beyond its end, a whole
+    /// file with another hash, a unit or chunk that was damaged, a motion of another character. Of a file at
+    /// fault nothing is held then, since it cannot be told which of its bytes are.
+    pub fn receive(&mut self, file: &str, offset: u64, bytes: &[u8]) -> Result<ItemChange> {
+        self.take(file, offset, bytes).context(file)
+    }
+
+    fn take(&mut self, file: &str, offset: u64, bytes: &[u8]) -> Result<ItemChange> {
+        let Some(pieces) = self.files.get_mut(file) else {
+            return Err(Error::argument("the item has no such file"));
+        };
+        let new = pieces.put(offset, bytes)?;
+        if new.bytes() == 0 {
+            return Ok(ItemChange::Nothing);
+        }
+        if let (Some(whole), Some(entry)) = (pieces.whole(), self.manifest.files.get(file))
+            && !entry.is_of(whole)
+        {
+            self.forget(file);
+            let what = "its hash is not that of the manifest; fetch it again";
+            return Err(Error::unsuited(what));
+        }
+        if file == self.manifest.figure.file {
+            return self.take_figure();
+        }
+        let of_stream = |part: &ItemPart| part.file.as_deref() == Some(file);
+        if let Some(part) = self.manifest.parts.iter().position(of_stream) {
+            return self.show(part, &new).inspect_err(|_| self.forget(file));
+        }
+        if self.file(file).is_none() {
+            return Ok(ItemChange::Nothing);
+        }
+        let is_size = |part: &ItemPart| part.layers.iter().any(|l| l.file.as_deref() == Some(file));
+        let texture = self.manifest.parts.iter().position(is_size);
+        Ok(texture.map_or(ItemChange::File, |part| ItemChange::Texture { part }))
+    }
+
+    /// Gives up all bytes of a file.
+    fn forget(&mut self, file: &str) {
+        if let Some(pieces) = self.files.get_mut(file) {
+            pieces.clear();
+        }
+        let parts = &self.manifest.parts;
+        self.streams
+            .retain(|part, _| parts[*part].file.as_deref() != Some(file));
+    }
+
+    /// Reads the figure if it is whole, and shows the motions that waited for it, also if one of them is at
+    /// fault.
+    fn take_figure(&mut self) -> Result<ItemChange> {
+        let Some(glb) = self.file(&self.manifest.figure.file) else {
+            return Ok(ItemChange::Nothing);
+        };
+        let figure = ShownFigure::read(glb, &self.manifest, &self.options)?;
+        self.rig = Some(figure.rig);
+        let mut taken = Ok(ItemChange::Figure);
+        for part in 0..self.manifest.parts.len() {
+            let Some(file) = self.manifest.parts[part].file.clone() else {
+                continue;
+            };
+            if self.manifest.parts[part].kind != PartKind::BodyMotion {
+                continue;
+            }
+            let waited = self.files.get(&file).map(|pieces| pieces.there().clone());
+            if let Err(error) = self.show(part, &waited.unwrap_or_default()) {
+                self.forget(&file);
+                taken = taken.and(Err(error).context(file));
+            }
+        }
+        taken
+    }
+
+    /// Passes bytes of the stream of a part that came to its receiver, if it has what that needs.
+    fn show(&mut self, part: usize, new: &ByteRanges) -> Result<ItemChange> {
+        let of_part = &self.manifest.parts[part];
+        let Some(pieces) = of_part.file.as_ref().and_then(|file| self.files.get(file)) else {
+            return Ok(ItemChange::Nothing);
+        };
+        if of_part.comes_whole() {
+            return Ok(match pieces.whole() {
+                Some(_) => ItemChange::Motion {
+                    part,
+                    frames: 0..usize::MAX,
+                },
+                None => ItemChange::Nothing,
+            });
+        }
+        // A stream is opened once its head is there; then all that waited is new.
+        let is_new = !self.streams.contains_key(&part);
+        let known = match self.streams.entry(part) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(place) => {
+                let has_head =
+                    |[start, count]: &[u64; 2]| pieces.get(&(*start..start + count)).is_some();
+                if !of_part.base_ranges.first().is_some_and(has_head) {
+                    return Ok(ItemChange::Nothing);
+                }
+                match opened(
+                    of_part.kind,
+                    self.rig.as_ref(),
+                    pieces.start(),
+                    &self.limits,
+                )? {
+                    Some(made) => place.insert(made),
+                    None => return Ok(ItemChange::Nothing),
+                }
+            }
+        };
+        let new = if is_new { pieces.there() } else { new };
+        let mut frames = 0..0;
+        match known {
+            Stream::Mesh(receiver) => {
+                let is_finer = take_chunks(receiver, pieces, new)?;
+                return Ok(match is_finer || is_new {
+                    true => ItemChange::Mesh { part },
+                    false => ItemChange::Nothing,
+                });
+            }
+            Stream::Motion(receiver) => {
+                for range in new.ranges() {
+                    let bytes = pieces.get(range).unwrap_or_default();
+                    frames = joined(frames, receiver.receive_at(range.start, bytes)?);
+                }
+                if let (Some(head), Some(rig)) = (receiver.head(), &self.rig)
+                    && !is_of_rig(head, rig)
+                {
+                    let what = "the stream was made for another character: joint names or rest poses differ";
+                    return Err(Error::unsuited(what));
+                }
+            }
+            Stream::Face(receiver) => {
+                for range in new.ranges() {
+                    let bytes = pieces.get(range).unwrap_or_default();
+                    frames = joined(frames, receiver.receive_at(range.start, bytes)?);
+                }
+            }
+        }
+        Ok(match frames.is_empty() {
+            true => ItemChange::Nothing,
+            false => ItemChange::Motion { part, frames },
+        })
+    }
+
+    /// Returns a file that is whole.
+    pub fn file(&self, name: &str) -> Option<&[u8]> {
+        self.files.get(name)?.whole()
+    }
+
+    /// Returns the bytes of a file that are held, by the first byte of each run: what
+    /// [`Self::receive`] takes to go on later.
+    pub fn pieces(&self, file: &str) -> impl Iterator<Item = (u64, &[u8])> {
+        self.files.get(file).into_iter().flat_map(Pieces::all)
+    }
+
+    /// Returns the motion of the body of a part as received so far; `None` before the figure and the head
+    /// of the stream are there, and for other parts.
+    pub fn clip(&self, part: usize) -> Option<Clip> {
+        match self.streams.get(&part)? {
+            Stream::Motion(receiver) => receiver.clip().ok(),
+            Stream::Face(_) | Stream::Mesh(_) => None,
+        }
+    }
+
+    /// Returns the motion of the face of a part as received so far; `None` before the head of the stream
+    /// is there, and for other parts.
+    pub fn face(&self, part: usize) -> Option<FapClip> {
+        let of_part = self.manifest.parts.get(part)?;
+        if of_part.kind == PartKind::FaceMotion && of_part.comes_whole() {
+            return faps(self.file(of_part.file.as_deref()?)?, &self.limits).ok();
+        }
+        match self.streams.get(&part)? {
+            Stream::Face(receiver) => receiver.decoded().ok().map(fap_clip),
+            Stream::Motion(_) | Stream::Mesh(_) => None,
+        }
+    }
+
+    /// Returns the character as received so far: what [`assemble`](super::assemble()) makes of an item with
+    /// the same bytes, without the motions of which there are none.
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file: before the figure is there, and as `assemble`.
+    pub fn character(&self) -> Result<CharacterFile> {
+        let file = &self.manifest.figure.file;
+        let missing = || Error::unsuited("the figure has not arrived");
+        let glb = self.file(file).ok_or_else(missing).context(file)?;
+        let figure = ShownFigure::read(glb, &self.manifest, &self.options)?;
+        let mut shown = Shown::default();
+        for (p, part) in self.manifest.parts.iter().enumerate() {
+            if let Some(Stream::Mesh(receiver)) = self.streams.get(&p) {
+                let made = decoded(receiver, &figure.character.meshes, &self.limits);
+                let made = made.context(part.file.as_deref().unwrap_or_default())?;
+                shown.primitives.extend(made.primitives);
+            }
+            if let (Some(image), Some((file, _))) = (part.image, self.largest(part)) {
+                let picture = self.file(file).unwrap_or_default();
+                shown.pictures.push((image, picture));
+            }
+            shown.clips.extend(self.clip(p));
+            if let (Some(face), Some(file)) = (self.face(p), &part.file) {
+                shown.faces.push((file, face));
+            }
+        }
+        figure.with(&shown, &self.options)
+    }
+
+    /// The largest size of a texture that is whole.
+    fn largest<'a>(&self, part: &'a ItemPart) -> Option<(&'a str, u64)> {
+        part.largest(|layer| {
+            let file = part.layers[layer].file.as_deref();
+            file.is_some_and(|file| self.file(file).is_some())
+        })
+    }
+}
+
+/// The receiver of a stream whose first bytes, with its head, are `start`; `None` of a motion without the
+/// rig that it needs.
+fn opened(
+    kind: PartKind,
+    rig: Option<&Rig>,
+    start: &[u8],
+    limits: &StreamLimits,
+) -> Result<Option<Stream>, StreamError> {
+    Ok(match kind {
+        PartKind::BodyMotion => {
+            rig.map(|rig| Stream::Motion(Box::new(MotionReceiver::new(rig, limits))))
+        }
+        PartKind::FaceMotion => {
+            let receiver = FaceReceiver::new(&FaceReadOptions::default(), limits)?;
+            Some(Stream::Face(Box::new(receiver)))
+        }
+        PartKind::Mesh => Some(Stream::Mesh(Box::new(mesh::Receiver::read(start, limits)?))),
+        PartKind::Texture => None,
+    })
+}
+
+/// Passes the chunks that new bytes complete to a mesh; returns whether an object is finer now.
+fn take_chunks(
+    receiver: &mut mesh::Receiver,
+    pieces: &Pieces,
+    new: &ByteRanges,
+) -> Result<bool, StreamError> {
+    let stream = receiver.stream();
+    let (levels, objects) = (stream.levels.levels.len(), stream.objects.len());
+    let places = (0..levels).flat_map(|level| (0..objects).map(move |o| (level, o)));
+    let chunks = places.filter_map(|(level, object)| stream.chunk(level, object));
+    let mut ready = Vec::new();
+    for chunk in chunks.map(|chunk| chunk.start as u64..chunk.end as u64) {
+        let touches = |range: &Range<u64>| range.start < chunk.end && chunk.start < range.end;
+        if new.ranges().iter().any(touches)
+            && let Some(bytes) = pieces.get(&chunk)
+        {
+            ready.push((chunk.start, bytes));
+        }
+    }
+    let mut is_finer = false;
+    for (start, bytes) in ready {
+        is_finer |= !receiver.receive_at(start, bytes)?.is_empty();
+    }
+    Ok(is_finer)
+}
+
+/// The least range that has two.
+fn joined(a: Range<usize>, b: Range<usize>) -> Range<usize> {
+    match (a.is_empty(), b.is_empty()) {
+        (true, _) => b,
+        (_, true) => a,
+        _ => a.start.min(b.start)..a.end.max(b.end),
+    }
+}
