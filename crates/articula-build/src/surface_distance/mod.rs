@@ -43,17 +43,21 @@ pub struct DistanceOptions {
     /// level to the original surface; each value is then the larger of both. It detects a level
     /// that spans a gap, such as a web between fingers.
     pub two_sided: bool,
+    /// Of each so many poses the first is measured in full; of the others only the maximum, which takes a
+    /// fraction of the time.
+    pub full_every: usize,
     /// Seed of the samples.
     pub seed: u64,
 }
 
 impl Default for DistanceOptions {
-    /// Up to 100,000 vertices and 10,000 face centres, one-sided.
+    /// Up to 100,000 vertices and 10,000 face centres, one-sided, all poses in full.
     fn default() -> Self {
         Self {
             vertices: 100_000,
             face_centres: 10_000,
             two_sided: false,
+            full_every: 1,
             seed: 1,
         }
     }
@@ -64,10 +68,10 @@ impl Default for DistanceOptions {
 pub struct LevelDistances {
     /// Distances at rest.
     pub rest: SurfaceError,
-    /// Distances in motion: the maximum over all poses, percentiles over the points of all poses
-    /// together, the mean of the means. Those at rest if there is no pose.
+    /// Distances in motion: the maximum over all poses, percentiles over the points of all poses that are
+    /// measured in full together, the mean of their means. Those at rest if there is no pose.
     pub motion: SurfaceError,
-    /// Distances in each pose.
+    /// Distances in each pose that is measured in full.
     pub poses: Vec<SurfaceError>,
 }
 
@@ -101,12 +105,12 @@ pub fn surface_distances(
         return Err(Mismatch::new(format!("motion[{p}]"), what));
     }
     let points = Points::of(original, rest.len(), opts);
-    let mut found = measured(levels, points, rest, motion);
+    let mut found = measured(levels, points, rest, motion, opts);
     if opts.two_sided {
         for (level, distances) in levels.iter().zip(&mut found) {
             let mut points = Points::default();
             points.add_triangles(level);
-            for back in measured(&[original], points, rest, motion) {
+            for back in measured(&[original], points, rest, motion, opts) {
                 distances.raise(&back);
             }
         }
@@ -120,15 +124,28 @@ fn measured(
     points: Points,
     rest: &[Vec3],
     motion: &[Vec<Vec3>],
+    opts: &DistanceOptions,
 ) -> Vec<LevelDistances> {
     let mut search = Search::new(Pieces::of(levels), rest, points);
     let mut tallies: Vec<Tally> = levels.iter().map(|_| Tally::default()).collect();
-    for pose in std::iter::once(rest).chain(motion.iter().map(Vec::as_slice)) {
+    let every = opts.full_every.max(1);
+    let in_full = motion.iter().step_by(every).map(Vec::as_slice);
+    for pose in std::iter::once(rest).chain(in_full) {
         for (tally, distances) in tallies.iter_mut().zip(search.distances(pose)) {
             tally.add(distances);
         }
     }
-    tallies.into_iter().map(Tally::level).collect()
+    let mut found: Vec<LevelDistances> = tallies.into_iter().map(Tally::level).collect();
+    // The greatest so far rules out most points.
+    let mut greatest: Vec<f32> = found.iter().map(|d| d.motion.max_metres).collect();
+    let others = motion.iter().enumerate();
+    for (_, pose) in others.filter(|(i, _)| !i.is_multiple_of(every)) {
+        search.raise(pose, &mut greatest);
+    }
+    for (distances, greatest) in found.iter_mut().zip(greatest) {
+        distances.motion.max_metres = greatest;
+    }
+    found
 }
 
 fn check(which: &str, triangles: &[[u32; 3]], vertices: usize) -> Result<(), Mismatch> {

@@ -7,6 +7,7 @@ use glam::Vec3;
 use std::collections::HashMap;
 
 /// Levels, and the points measured against them.
+#[derive(Clone)]
 pub(super) struct Search {
     pieces: Vec<Piece>,
     levels: Vec<Level>,
@@ -18,12 +19,14 @@ pub(super) struct Search {
 }
 
 /// Triangles that levels share.
+#[derive(Clone)]
 struct Piece {
     tree: SurfaceTree,
     /// For each point, the closest triangle that was found last.
     hints: Vec<u32>,
 }
 
+#[derive(Clone)]
 struct Level {
     /// Indices of its pieces.
     pieces: Vec<usize>,
@@ -31,13 +34,11 @@ struct Level {
     closest: Vec<u32>,
 }
 
-/// What is known about the distance of a point to a piece.
+/// What is known about the squared distance of a point to a piece.
 #[derive(Clone, Copy)]
 struct Known {
-    /// The squared distance is not below this one.
-    squared: f32,
-    /// It is this one.
-    is_exact: bool,
+    at_least: f32,
+    at_most: f32,
 }
 
 impl Search {
@@ -60,10 +61,7 @@ impl Search {
     /// Returns the distance of each point to each level in a pose, by level; NaN for a point that is
     /// not finite there, infinity without a triangle.
     pub(super) fn distances(&mut self, pose: &[Vec3]) -> Vec<Vec<f32>> {
-        for piece in &mut self.pieces {
-            piece.tree.refit(pose);
-        }
-        let points: Vec<Vec3> = self.points.posed(pose).collect();
+        let points = self.posed(pose);
         let mut out = vec![vec![f32::NAN; points.len()]; self.levels.len()];
         for (i, point) in points.iter().enumerate() {
             let same = self.same[i] as usize;
@@ -72,25 +70,51 @@ impl Search {
             } else if point.is_finite() {
                 self.start(*point);
                 for (l, out) in out.iter_mut().enumerate() {
-                    out[i] = self.squared_distance(l, i, *point).sqrt();
+                    out[i] = self.squared_distance(l, i, *point, 0.0).sqrt();
                 }
             }
         }
         out
     }
 
+    /// Raises the greatest distance to each level to that of a pose. Faster than [`Self::distances`]: a
+    /// point that has a triangle within the greatest distance needs no search for its closest one.
+    pub(super) fn raise(&mut self, pose: &[Vec3], greatest: &mut [f32]) {
+        let points = self.posed(pose);
+        for (i, point) in points.iter().enumerate() {
+            let same = self.same[i] as usize;
+            if !point.is_finite() || same < i && points[same] == *point {
+                continue;
+            }
+            self.start(*point);
+            for (l, greatest) in greatest.iter_mut().enumerate() {
+                // Distances are compared, since squares of different ones may have the same root.
+                let squared = self.squared_distance(l, i, *point, *greatest * *greatest);
+                *greatest = greatest.max(squared.sqrt());
+            }
+        }
+    }
+
+    /// The points in a pose, to which the trees are fitted.
+    fn posed(&mut self, pose: &[Vec3]) -> Vec<Vec3> {
+        for piece in &mut self.pieces {
+            piece.tree.refit(pose);
+        }
+        self.points.posed(pose).collect()
+    }
+
     /// Forgets what was known at another point.
     fn start(&mut self, point: Vec3) {
         self.known.clear();
         self.known.extend(self.pieces.iter().map(|piece| Known {
-            squared: piece.tree.squared_distance_to_bounds(point),
-            is_exact: false,
+            at_least: piece.tree.squared_distance_to_bounds(point),
+            at_most: f32::INFINITY,
         }));
     }
 
-    /// The least distance to a piece. The piece that was closest before comes first, since its
-    /// distance rules out most of the others.
-    fn squared_distance(&mut self, level: usize, i: usize, point: Vec3) -> f32 {
+    /// The least distance to a piece, or any that is at most `enough`. The piece that was closest before
+    /// comes first, since its distance rules out most of the others.
+    fn squared_distance(&mut self, level: usize, i: usize, point: Vec3, enough: f32) -> f32 {
         let level = &mut self.levels[level];
         let closest = &mut level.closest[i];
         let mut least = f32::INFINITY;
@@ -102,14 +126,17 @@ impl Search {
         };
         for p in first.iter().chain(&level.pieces) {
             let known = &mut self.known[*p];
-            if known.squared >= least {
+            if known.at_least >= least {
                 continue;
             }
-            if !known.is_exact {
-                *known = self.pieces[*p].within(i, point, least);
+            if known.at_most > enough && known.at_least < known.at_most {
+                *known = self.pieces[*p].within(i, point, *known, (least, enough));
             }
-            if known.squared < least {
-                (least, *closest) = (known.squared, *p as u32);
+            if known.at_most < least {
+                (least, *closest) = (known.at_most, *p as u32);
+            }
+            if least <= enough {
+                break;
             }
         }
         least
@@ -132,20 +159,27 @@ impl Piece {
         Self { tree, hints }
     }
 
-    /// Squared distance of a point, if it is below a limit.
-    fn within(&mut self, i: usize, point: Vec3, limit: f32) -> Known {
+    /// What a search tells of a point that looks for less than a limit, and for no less than `enough`.
+    fn within(
+        &mut self,
+        i: usize,
+        point: Vec3,
+        known: Known,
+        (limit, enough): (f32, f32),
+    ) -> Known {
         let hint = &mut self.hints[i];
-        match self.tree.closest(point, *hint, limit) {
+        match self.tree.closest(point, *hint, limit, enough) {
             Some((squared, place)) => {
                 *hint = place;
+                let is_exact = squared > enough;
                 Known {
-                    squared,
-                    is_exact: true,
+                    at_least: if is_exact { squared } else { known.at_least },
+                    at_most: squared.min(known.at_most),
                 }
             }
             None => Known {
-                squared: limit,
-                is_exact: false,
+                at_least: limit.max(known.at_least),
+                ..known
             },
         }
     }
@@ -184,6 +218,8 @@ mod tests {
             let slices: Vec<&[[u32; 3]]> = levels.iter().map(Vec::as_slice).collect();
             let measured = Points::of(&triangles, points.len(), &DistanceOptions::default());
             let mut search = Search::new(Pieces::of(&slices), &points, measured.clone());
+            let mut other = search.clone();
+            let (mut most, mut greatest) = (vec![0.0_f32; 4], vec![0.0_f32; 4]);
             for moves in moves.chunks(40) {
                 let moved = points.iter().zip(moves).map(|(p, m)| *p + Vec3::from_array(*m));
                 let mut pose: Vec<Vec3> = moved.collect();
@@ -191,7 +227,9 @@ mod tests {
                 if let Some(point) = pose.get_mut(lost) {
                     *point = Vec3::NAN;
                 }
-                for (level, found) in levels.iter().zip(search.distances(&pose)) {
+                other.raise(&pose, &mut greatest);
+                for ((level, found), most) in levels.iter().zip(search.distances(&pose)).zip(&mut most) {
+                    *most = found.iter().copied().fold(*most, f32::max);
                     for (point, found) in measured.posed(&pose).zip(found) {
                         if !point.is_finite() {
                             prop_assert!(found.is_nan());
@@ -204,6 +242,7 @@ mod tests {
                     }
                 }
             }
+            prop_assert_eq!(most, greatest);
         }
     }
 

@@ -114,7 +114,7 @@ impl SurfaceTree {
 
     /// Closest point of the surface in a pose that it is fitted to; `None` if there is no triangle.
     pub(super) fn closest_point(&self, point: Vec3, positions: &[Vec3]) -> Option<SkinPoint> {
-        let (_, place) = self.closest(point, NO_TRIANGLE, f32::INFINITY)?;
+        let (_, place) = self.closest(point, NO_TRIANGLE, f32::INFINITY, 0.0)?;
         let corners = self.triangles[place as usize / LANES][place as usize % LANES];
         Some(SkinPoint {
             corners,
@@ -134,8 +134,14 @@ impl SurfaceTree {
 
     /// Squared distance from a finite point to the surface and the position of the closest triangle;
     /// `None` if none is closer than the squared distance `limit`. A hint that is close speeds up the
-    /// search.
-    pub(super) fn closest(&self, point: Vec3, hint: u32, limit: f32) -> Option<(f32, u32)> {
+    /// search, which ends with any triangle whose squared distance is at most `enough`.
+    pub(super) fn closest(
+        &self,
+        point: Vec3,
+        hint: u32,
+        limit: f32,
+        enough: f32,
+    ) -> Option<(f32, u32)> {
         let mut nearest = Nearest {
             squared: limit,
             place: None,
@@ -144,11 +150,13 @@ impl SurfaceTree {
         if leaf < self.leaves.len() {
             nearest.take(leaf, &self.leaves[leaf], point);
         }
-        self.search(point, &mut nearest);
+        if nearest.squared > enough {
+            self.search(point, &mut nearest, enough);
+        }
         nearest.place.map(|place| (nearest.squared, place))
     }
 
-    fn search(&self, point: Vec3, nearest: &mut Nearest) {
+    fn search(&self, point: Vec3, nearest: &mut Nearest, enough: f32) {
         let mut waiting = [(0.0_f32, 0_u32); WAITING];
         let mut count = usize::from(!self.nodes.is_empty());
         while count > 0 {
@@ -169,6 +177,9 @@ impl SurfaceTree {
                     Child::Leaf(leaf) => {
                         let leaf = *leaf as usize;
                         nearest.take(leaf, &self.leaves[leaf], point);
+                        if nearest.squared <= enough {
+                            return;
+                        }
                     }
                     Child::Node(child) => {
                         // The nearest child is visited first.
@@ -333,7 +344,7 @@ mod tests {
                 tree.refit(positions);
                 for point in &asked {
                     let point = Vec3::from_array(*point);
-                    let (squared, place) = tree.closest(point, NO_TRIANGLE, f32::INFINITY).unwrap();
+                    let (squared, place) = tree.closest(point, NO_TRIANGLE, f32::INFINITY, 0.0).unwrap();
                     let slow = slow(point, &triangles, positions);
                     let fast = f64::from(squared.sqrt());
                     prop_assert!((fast - slow).abs() < 5e-3 * (1.0 + slow), "{} {}", fast, slow);
@@ -342,7 +353,7 @@ mod tests {
                     prop_assert_eq!(triangle_distance_squared(point, corners), squared);
                     // Any hint gives the same distance, and a limit either that or nothing.
                     let limit = share * squared;
-                    let limited = tree.closest(point, hint, limit).map(|found| found.0);
+                    let limited = tree.closest(point, hint, limit, 0.0).map(|found| found.0);
                     let wanted = (squared < limit).then_some(squared);
                     let same = |a: f32, b: f32| (a - b).abs() <= 1e-6 * (1.0 + b);
                     match (limited, wanted) {

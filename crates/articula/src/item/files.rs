@@ -179,9 +179,9 @@ impl Item {
     pub fn without_flat(&self) -> Self {
         let mut made = self.clone();
         for form in std::mem::take(&mut made.manifest.flat) {
-            made.files.remove(&form.file);
+            made.remove(&form.file);
         }
-        made.described()
+        made
     }
 
     /// Returns the item with the motions of these names alone, of the body and of the face; with all of
@@ -202,11 +202,17 @@ impl Item {
         }
         let others = motions().filter(|part| !names.contains(&part.name));
         for file in others.flat_map(|part| part.file.iter().chain(&part.index)) {
-            made.files.remove(file);
+            made.remove(file);
         }
         let stays = |part: &ItemPart| !is_motion(&part) || names.contains(&part.name);
         made.manifest.parts.retain(stays);
-        Ok(made.described())
+        Ok(made)
+    }
+
+    /// Removes a file and what is said of it.
+    fn remove(&mut self, file: &str) {
+        self.files.remove(file);
+        self.manifest.files.remove(file);
     }
 
     /// Returns the item without some units of its streams, whatever layers they belong to, such as those

@@ -1,7 +1,7 @@
 //! Which units of a stream belong to which layers of a part.
 
 use super::part::{ItemLayer, ItemPart, PartKind};
-use articula_stream::Unit;
+use articula_stream::{ByteRanges, Unit, difference};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -55,15 +55,23 @@ impl ItemPart {
         let is_aligned =
             |bits: &Range<u64>| bits.start.is_multiple_of(8) && bits.end.is_multiple_of(8);
         let are_bytes = bits.iter().flatten().all(is_aligned);
-        let ranges_of = |bits: Vec<Range<u64>>| if are_bytes { ranges(bits) } else { Vec::new() };
+        let listed = |bytes: &ByteRanges| match are_bytes {
+            true => bytes
+                .ranges()
+                .iter()
+                .map(|r| [r.start, r.end - r.start])
+                .collect(),
+            false => Vec::new(),
+        };
         self.bytes = bytes as u64;
         let of_layers = bits.iter().flatten().map(bits_to_bytes);
         self.base_bytes = self.bytes.saturating_sub(of_layers.sum());
-        let all: Vec<Range<u64>> = bits.iter().flatten().cloned().collect();
-        self.base_ranges = ranges_of(between(all, 8 * self.bytes));
+        let places = bits.iter().flatten().map(bytes_of).collect();
+        let whole = std::iter::once(0..self.bytes).collect();
+        self.base_ranges = listed(&difference(&places, &whole));
         for (layer, bits) in self.layers.iter_mut().zip(bits) {
             layer.bytes = bits.iter().map(bits_to_bytes).sum();
-            layer.ranges = ranges_of(bits);
+            layer.ranges = listed(&bits.iter().map(bytes_of).collect());
         }
     }
 }
@@ -91,36 +99,13 @@ fn charged(unit: &Unit, layers: &[ItemLayer]) -> Vec<Vec<Range<u64>>> {
     charged
 }
 
+/// The bytes that bits lie in.
+fn bytes_of(bits: &Range<u64>) -> Range<u64> {
+    bits.start / 8..bits.end.div_ceil(8)
+}
+
 fn bits_to_bytes(bits: &Range<u64>) -> u64 {
     (bits.end - bits.start).div_ceil(8)
-}
-
-/// First byte and number of bytes of ranges of bits, rising, each as long as it can be.
-fn ranges(mut bits: Vec<Range<u64>>) -> Vec<[u64; 2]> {
-    bits.sort_unstable_by_key(|bits| bits.start);
-    let mut found: Vec<[u64; 2]> = Vec::new();
-    for bits in bits.iter().filter(|bits| !bits.is_empty()) {
-        let (start, bytes) = (bits.start / 8, bits_to_bytes(bits));
-        match found.last_mut() {
-            Some([first, count]) if *first + *count == start => *count += bytes,
-            _ => found.push([start, bytes]),
-        }
-    }
-    found
-}
-
-/// The bits up to `end` that none of the others have.
-fn between(mut others: Vec<Range<u64>>, end: u64) -> Vec<Range<u64>> {
-    others.sort_unstable_by_key(|bits| bits.start);
-    let mut at = 0;
-    let mut found = Vec::new();
-    for other in others.into_iter().chain(std::iter::once(end..end)) {
-        if at < other.start {
-            found.push(at..other.start);
-        }
-        at = at.max(other.end);
-    }
-    found
 }
 
 /// Numbers of the regions that units of the stream of a part have. A motion of the body may have units

@@ -11,7 +11,8 @@ use crate::figure::Figure;
 use crate::mesh_levels::{CodedMeshLevels, coded};
 use crate::work::Executor;
 use articula_build::{
-    Asset, LevelDistances, MeasurementPoses, MeshLevelOptions, PoseOptions, measure_mesh,
+    Asset, DistanceOptions, LevelDistances, MeasurementPoses, MeshLevelOptions, PoseOptions,
+    measure_mesh,
 };
 use articula_core::source::RawMesh;
 use articula_core::{Mesh, Mismatch};
@@ -23,6 +24,10 @@ use std::collections::BTreeSet;
 const FILE: &str = "mesh.ams";
 /// Most poses that errors are measured on.
 const MEASURED_POSES: usize = 96;
+/// Of how many of them one counts for means and percentiles.
+const FULL_EVERY: usize = 4;
+/// Most poses that those of the base are measured on.
+const MEASURED_POSES_OF_BASE: usize = 24;
 
 /// Triangles that are measured, and where the result belongs.
 struct Triangles {
@@ -150,7 +155,12 @@ pub(super) fn part(
 ) -> Result<ItemPart> {
     let bytes = made.stream.bytes.clone();
     let unit = MeshStream::open(&bytes, &StreamLimits::default())?.unit();
-    measured_part(figure, clips, (made, Cut { bytes, unit }, 0), files, work)
+    let whole = Stage {
+        stream: Cut { bytes, unit },
+        finest: 0,
+        poses: MEASURED_POSES,
+    };
+    measured_part(figure, clips, (made, whole), files, work)
 }
 
 /// Adds the coarsest level alone, and measures it.
@@ -165,21 +175,34 @@ pub(super) fn base(
     let unit = MeshStream::open(bytes, &StreamLimits::default())?.unit();
     let coarsest = made.levels.table.levels.len().saturating_sub(1);
     let is_kept = |unit: &Unit| unit.marker("level").is_none_or(|l| l as usize >= coarsest);
-    let stream = cut(bytes, &unit, is_kept).context(FILE)?;
-    measured_part(figure, clips, (made, stream, coarsest), files, work)
+    let base = Stage {
+        stream: cut(bytes, &unit, is_kept).context(FILE)?,
+        finest: coarsest,
+        poses: MEASURED_POSES_OF_BASE,
+    };
+    measured_part(figure, clips, (made, base), files, work)
 }
 
-/// Adds a stream whose finest level is `finest`, and measures its layers in frames of these clips.
+/// A stream, or a cut of it.
+struct Stage {
+    stream: Cut,
+    /// Its finest level.
+    finest: usize,
+    /// Most poses that it is measured on.
+    poses: usize,
+}
+
+/// Adds the stream of a stage, and measures its layers in frames of these clips.
 fn measured_part(
     figure: &Figure,
     clips: &[usize],
-    (made, stream, finest): (&CodedMeshLevels, Cut, usize),
+    (made, stage): (&CodedMeshLevels, Stage),
     files: &mut NewFiles,
     work: &Executor<'_>,
 ) -> Result<ItemPart> {
     const WHAT: &str = "measuring meshes";
     let limits = StreamLimits::default();
-    let Cut { bytes, unit } = stream;
+    let Cut { bytes, unit } = stage.stream;
     let shown = Shown::new(figure, &bytes, &limits).context(FILE)?;
     let table = &made.levels.table;
     let count = table.levels.len();
@@ -191,10 +214,10 @@ fn measured_part(
         0
     };
     let wanted = wanted(count, base, &regions).into_iter();
-    let wanted = wanted.filter(|of| of.finest() >= finest);
+    let wanted = wanted.filter(|of| of.finest() >= stage.finest);
     let cuts: Vec<Triangles> = wanted.map(|of| shown.cut(of)).collect();
     work.step(WHAT, 0, 1)?;
-    let (distances, poses) = shown.measured(figure, clips, &cuts)?;
+    let (distances, poses) = shown.measured(figure, clips, &cuts, stage.poses)?;
     work.step(WHAT, 1, 1)?;
     let measured = Measured { cuts, distances };
     let layers = measured.layers(count, base, &regions, &table.regions);
@@ -339,6 +362,7 @@ impl Shown {
         figure: &Figure,
         clips: &[usize],
         cuts: &[Triangles],
+        most_poses: usize,
     ) -> Result<(Vec<LevelDistances>, MeasurementPoses), Mismatch> {
         let triangles: Vec<&[[u32; 3]]> = cuts.iter().map(|c| c.triangles.as_slice()).collect();
         let of_figure = &figure.asset.clips;
@@ -350,11 +374,15 @@ impl Shown {
             // Frames that shaped the levels are shown too.
             shaping: 0,
             morphs: 0,
-            measuring: MEASURED_POSES,
+            measuring: most_poses,
             ..PoseOptions::default()
         };
         let opts = MeshLevelOptions {
             poses,
+            distance: DistanceOptions {
+                full_every: FULL_EVERY,
+                ..DistanceOptions::default()
+            },
             ..MeshLevelOptions::default()
         };
         measure_mesh(&packaged, &self.mesh, &triangles, &opts)

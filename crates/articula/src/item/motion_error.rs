@@ -4,8 +4,11 @@
 use crate::error::Result;
 use crate::work::Executor;
 use articula_build::Asset;
-use articula_core::{Clip, PosedMesh, SkinnedMesh, Wrap, sample_morphs};
-use glam::Vec3;
+use articula_core::{
+    Clip, GroupedSkin, Matrix3x4, MorphedShape, PosedMesh, SkinnedMesh, StaleBlocks, Wrap, palette,
+    sample_morphs,
+};
+use glam::{Affine3A, Vec3};
 
 /// Most frames that are measured; of a longer clip, every n-th.
 const MOST_FRAMES: usize = 600;
@@ -41,8 +44,14 @@ pub(super) fn measured(
     }
     let (different, places) = different(clips);
     let jobs = frames.chunks(FRAMES).map(<[usize]>::to_vec).collect();
+    let skin = GroupedSkin::new(&asset.mesh);
     let sums = work.map("measuring motions", jobs, |frames: Vec<usize>| {
-        Ok(of_frames(asset, truth, &different, &frames))
+        Ok(of_frames(
+            Poser::new(asset, &skin),
+            truth,
+            &different,
+            &frames,
+        ))
     })?;
     let points = match asset.mesh.is_empty() {
         true => asset.rig.len(),
@@ -74,30 +83,20 @@ fn different(clips: &[Clip]) -> (Vec<&Clip>, Vec<usize>) {
 }
 
 /// Greatest distances, and sums of distances, in some frames.
-fn of_frames(asset: &Asset, truth: &Clip, clips: &[&Clip], frames: &[usize]) -> Vec<MotionError> {
-    let mesh = &asset.mesh;
-    let mut posed = PosedMesh::new(&asset.rig, mesh);
-    let mut skinned = SkinnedMesh::new(mesh);
-    let mut points = |clip: &Clip, secs: f64, out: &mut Vec<Vec3>| {
-        let mut weights = mesh.morph_weights.clone();
-        sample_morphs(clip, secs, Wrap::Clamp, &mut weights);
-        out.clear();
-        posed.pose_at(clip, secs, Wrap::Clamp);
-        if mesh.is_empty() {
-            out.extend((0..asset.rig.len()).map(|joint| posed.model.position(joint)));
-        } else {
-            posed.skin(&weights, &mut skinned);
-            out.extend_from_slice(&skinned.positions);
-        }
-    };
-    let (mut right, mut shown) = (Vec::new(), Vec::new());
+fn of_frames(
+    mut poser: Poser<'_>,
+    truth: &Clip,
+    clips: &[&Clip],
+    frames: &[usize],
+) -> Vec<MotionError> {
+    let mut right = Vec::new();
     let mut errors = vec![MotionError::default(); clips.len()];
     for frame in frames {
         let secs = *frame as f64 / f64::from(truth.rate_hz());
-        points(truth, secs, &mut right);
+        right.clear();
+        right.extend_from_slice(poser.points(truth, secs));
         for (clip, error) in clips.iter().zip(&mut errors) {
-            points(clip, secs, &mut shown);
-            for (a, b) in right.iter().zip(&shown) {
+            for (a, b) in right.iter().zip(poser.points(clip, secs)) {
                 let distance = f64::from(a.distance(*b));
                 error.max_metres = error.max_metres.max(distance);
                 error.mean_metres += distance;
@@ -105,4 +104,55 @@ fn of_frames(asset: &Asset, truth: &Clip, clips: &[&Clip], frames: &[usize]) -> 
         }
     }
     errors
+}
+
+/// Places the points of a character in clips.
+struct Poser<'a> {
+    asset: &'a Asset,
+    posed: PosedMesh<'a>,
+    skin: &'a GroupedSkin,
+    shape: MorphedShape,
+    stale: StaleBlocks,
+    weights: Vec<f32>,
+    palette: Vec<Affine3A>,
+    rows: Vec<Matrix3x4>,
+    skinned: SkinnedMesh,
+    joints: Vec<Vec3>,
+}
+
+impl<'a> Poser<'a> {
+    fn new(asset: &'a Asset, skin: &'a GroupedSkin) -> Self {
+        let bindings = asset.mesh.bindings.len();
+        Self {
+            asset,
+            posed: PosedMesh::new(&asset.rig, &asset.mesh),
+            shape: skin.rest().clone(),
+            stale: skin.stale(),
+            skin,
+            weights: Vec::new(),
+            palette: vec![Affine3A::IDENTITY; bindings],
+            rows: vec![Matrix3x4::default(); bindings],
+            skinned: SkinnedMesh::new(&asset.mesh),
+            joints: Vec::new(),
+        }
+    }
+
+    /// All vertices at a time of a clip, or all joints without a mesh.
+    fn points(&mut self, clip: &Clip, secs: f64) -> &[Vec3] {
+        let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
+        self.posed.pose_at(clip, secs, Wrap::Clamp);
+        let model = &self.posed.model;
+        if mesh.is_empty() {
+            self.joints.clear();
+            (self.joints).extend((0..rig.len()).map(|joint| model.position(joint)));
+            return &self.joints;
+        }
+        self.weights.clone_from(&mesh.morph_weights);
+        sample_morphs(clip, secs, Wrap::Clamp, &mut self.weights);
+        (self.skin).morph(&self.weights, &mut self.shape, &mut self.stale);
+        palette(mesh, model, &mut self.palette);
+        GroupedSkin::rows(&self.palette, &mut self.rows);
+        self.skin.skin(&self.shape, &self.rows, &mut self.skinned);
+        &self.skinned.positions
+    }
 }

@@ -26,7 +26,7 @@ impl ItemPart {
                 *error = up(*error);
             }
         }
-        for region in &mut self.regions {
+        for region in self.regions.iter_mut().chain(&mut self.face_levels) {
             region.error_without_m = region.error_without_m.map(up);
         }
     }
