@@ -9,8 +9,10 @@ use articula::item::{
 };
 use articula::{Data, DataFormat, Executor, OpenOptions, fs, open_data};
 use articula_core::source::RawClip;
+use articula_mutate::{Edit, Mutations};
 use articula_stream::ByteRanges;
 use proptest::prelude::*;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -238,4 +240,55 @@ fn what_is_wrong_is_refused_and_fetched_again() {
     assert_eq!(client.missing(&all).unwrap().bytes(), 0);
     let right = assemble(item, &OpenOptions::default()).unwrap();
     assert!(client.character().unwrap().character() == right.character());
+}
+
+#[test]
+fn hostile_manifests_and_bytes_end_in_values_or_errors() {
+    let Some(item) = textured() else { return };
+    let mutations = Mutations {
+        edits: &[
+            Edit::FlipBit,
+            Edit::Delete(8),
+            Edit::Word(&["0", "-1", "1e99", "null", "[]", "18446744073709551615"]),
+        ],
+        most: 3,
+    };
+    let all = |client: &ItemReceiver| ItemCut::Layers {
+        kept: (client.manifest().parts.iter())
+            .map(|part| vec![true; part.layers.len()])
+            .collect(),
+        regions: Regions::default(),
+    };
+    mutations.read_of(&manifest(item), 150, |manifest| {
+        let Ok(mut client) = ItemReceiver::new(manifest, &OpenOptions::default()) else {
+            return false;
+        };
+        let missing = client.missing(&all(&client)).unwrap();
+        for (name, ranges) in missing.files() {
+            for range in ranges.ranges() {
+                let bytes = item.file(name).unwrap_or_default();
+                let (start, end) = (range.start as usize, range.end as usize);
+                let bytes = bytes.get(start..end).unwrap_or(b"0123456789");
+                let _ = client.receive(name, range.start, bytes);
+            }
+        }
+        client.character().is_ok()
+    });
+    // Without hashes, streams and the figure are read as they come.
+    let mut plain: Value = serde_json::from_slice(&manifest(item)).unwrap();
+    plain["version"] = 1.into();
+    plain.as_object_mut().unwrap().remove("files");
+    let plain = plain.to_string().into_bytes();
+    for name in ["mesh.ams", "clips/second.abp", "figure.glb"] {
+        mutations.read_of(item.file(name).unwrap(), 40, |bytes| {
+            let mut client = ItemReceiver::new(&plain, &OpenOptions::default()).unwrap();
+            for file in ["figure.glb", "mesh.ams", "clips/second.abp"] {
+                let right = item.file(file).unwrap();
+                let given = if file == name { bytes } else { right };
+                let given = &given[..given.len().min(right.len())];
+                let _ = client.receive(file, 0, given);
+            }
+            client.character().is_ok()
+        });
+    }
 }

@@ -61,10 +61,7 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
     let opened = open::motion(&console.files, &args.file, &args.names)?;
     let bytes_in = opened.bytes() as u64;
     let warnings = open::warnings(opened.warnings());
-    let mut resampling = clip_resampling(opened.character())?;
-    if !options.clips.is_empty() {
-        resampling.retain(|clip| options.clips.contains(&clip.clip));
-    }
+    let character = opened.character().clone();
     let mut folder = ItemFolder::new(&console.files, &args.item);
     let item = console.work(|work| {
         package_in_stages(opened, &options, work, &mut |stage| {
@@ -72,6 +69,11 @@ pub(crate) fn run(args: &PackageArgs, console: &Console) -> anyhow::Result<()> {
         })
     })?;
     folder.write(&item, documents(&item)?)?;
+    // After the stages, none of which waits for it.
+    let mut resampling = clip_resampling(&character)?;
+    if !options.clips.is_empty() {
+        resampling.retain(|clip| options.clips.contains(&clip.clip));
+    }
     let report = ItemReport {
         bytes_in: Some(bytes_in),
         resampling,
