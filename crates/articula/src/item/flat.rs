@@ -28,7 +28,7 @@ const COMPARED: u32 = 32;
 const MOST_MOVING: u64 = 25_000;
 const MOST_STILL: u64 = 12_000;
 /// Times that a form is made with less until it is small enough.
-const ATTEMPTS: usize = 3;
+const ATTEMPTS: usize = 5;
 /// Compression is worse for a smaller file: a share that is aimed at.
 const AIM: f64 = 0.95;
 /// How many times as many bytes as allowed an animated picture may have before coarser tolerances.

@@ -5,7 +5,7 @@ use super::assemble::faps;
 use super::check;
 use super::decoded_mesh::decoded;
 use super::manifest::Manifest;
-use super::part::{ItemPart, PartKind};
+use super::part::{ItemLayer, ItemPart, PartKind};
 use super::pieces::Pieces;
 use super::shown::{Shown, ShownFigure};
 use super::wanted::ItemBytes;
@@ -282,6 +282,62 @@ impl ItemReceiver {
             true => ItemChange::Nothing,
             false => ItemChange::Motion { part, frames },
         })
+    }
+
+    /// Returns a receiver of another state of the item, such as the [next stage](super::package_in_stages())
+    /// of its packaging, that holds what this one holds of it: files with the same hash, and of a stream
+    /// that has grown the layers that both have. Of such a stream only the base is fetched anew.
+    ///
+    /// # Errors
+    /// As [`Self::new`]. What does not fit is left out.
+    pub fn renewed(&self, manifest: &[u8]) -> Result<Self> {
+        let mut made = Self::new(manifest, &self.options)?;
+        for (name, entry) in made.manifest.files.clone() {
+            let same = self
+                .manifest
+                .files
+                .iter()
+                .find(|(_, e)| e.hash == entry.hash);
+            for (offset, bytes) in same.into_iter().flat_map(|(known, _)| self.pieces(known)) {
+                // A fault is found again when the bytes are fetched.
+                let _ = made.receive(&name, offset, bytes);
+            }
+        }
+        for part in made.manifest.parts.clone() {
+            let same = |p: &&ItemPart| (p.kind, &p.name) == (part.kind, &part.name);
+            let (Some(file), Some(before)) = (&part.file, self.manifest.parts.iter().find(same))
+            else {
+                continue;
+            };
+            for layer in &part.layers {
+                for (offset, bytes) in self.moved(before, layer) {
+                    let _ = made.receive(file, offset, &bytes);
+                }
+            }
+        }
+        Ok(made)
+    }
+
+    /// The bytes of a layer as this receiver holds them in its stream, at their places in another one.
+    fn moved(&self, part: &ItemPart, layer: &ItemLayer) -> Vec<(u64, Vec<u8>)> {
+        let same = |l: &&ItemLayer| l.keep == layer.keep && l.bytes == layer.bytes;
+        let pieces = part.file.as_ref().and_then(|file| self.files.get(file));
+        let (Some(known), Some(pieces)) = (part.layers.iter().find(same), pieces) else {
+            return Vec::new();
+        };
+        let held = known.ranges.iter();
+        let held = held.map(|[start, count]| pieces.get(&(*start..start + count)));
+        let Some(bytes) = held.collect::<Option<Vec<_>>>().map(|held| held.concat()) else {
+            return Vec::new();
+        };
+        let mut at = 0;
+        let mut moved = Vec::with_capacity(layer.ranges.len());
+        for [start, count] in &layer.ranges {
+            let end = at + *count as usize;
+            moved.extend(bytes.get(at..end).map(|bytes| (*start, bytes.to_vec())));
+            at = end;
+        }
+        moved
     }
 
     /// Returns a file that is whole.

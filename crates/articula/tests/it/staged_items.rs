@@ -3,7 +3,8 @@
 use crate::real;
 use crate::short::shortened;
 use articula::item::{
-    Item, ItemPart, MANIFEST, PackageOptions, PartKind, assemble, package, package_in_stages,
+    Item, ItemCut, ItemPart, ItemReceiver, MANIFEST, PackageOptions, PartKind, Regions, assemble,
+    package, package_in_stages,
 };
 use articula::{CharacterFile, Error, Executor, OpenOptions, fs};
 use articula_core::source::RawClip;
@@ -99,11 +100,48 @@ fn every_stage_is_an_item_of_which_the_next_one_has_all() {
         }
     }
 
+    check_receiver(&stages);
+
     let base = &stages[0];
     let tiers = whole.manifest.parts.iter().map(|p| p.layers.len());
     assert!(tiers.max() > Some(5));
     assert!(base.manifest.parts.iter().all(|p| p.layers.len() <= 4));
     assert!(3 * base.sent_bytes() < whole.sent_bytes());
+}
+
+/// A client that fetches each stage as it is made shows it, and fetches of a stream that grows no layer
+/// twice.
+fn check_receiver(stages: &[Item]) {
+    let manifest = |item: &Item| item.files().pop().unwrap().1;
+    let mut client = ItemReceiver::new(&manifest(&stages[0]), &OpenOptions::default()).unwrap();
+    let mut held = 0;
+    for (s, stage) in stages.iter().enumerate() {
+        client = client.renewed(&manifest(stage)).unwrap();
+        let parts = stage.manifest.parts.iter();
+        let all = ItemCut::Layers {
+            kept: parts.clone().map(|p| vec![true; p.layers.len()]).collect(),
+            regions: Regions::default(),
+        };
+        let missing = client.missing(&all).unwrap();
+        let heads: u64 = parts.map(|part| part.base_bytes).sum();
+        assert!(missing.bytes() + held <= stage.bytes() + heads, "stage {s}");
+        for (name, ranges) in missing.files() {
+            for range in ranges.ranges() {
+                let bytes = &stage.file(name).unwrap()[range.start as usize..range.end as usize];
+                client.receive(name, range.start, bytes).unwrap();
+            }
+        }
+        let right = assemble(stage, &OpenOptions::default()).unwrap();
+        let shown = client.character().unwrap();
+        assert!(shown.character() == right.character(), "stage {s}");
+        // Small sizes of textures are not sent again, but not needed either.
+        let textures = stage
+            .manifest
+            .parts
+            .iter()
+            .filter(|p| p.kind == PartKind::Texture);
+        held = client.held().bytes() - textures.map(|p| p.layers[0].bytes).sum::<u64>();
+    }
 }
 
 #[test]

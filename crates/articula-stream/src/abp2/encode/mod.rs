@@ -44,6 +44,7 @@ use levers::Rest;
 use quantise::{Coding, Levels};
 use search::{Judge, Shares, finest, tiers};
 use skin_points::{SkinPoints, offsets_by_vertex};
+use std::cell::OnceCell;
 use truth::Truth;
 use units::UnitCoder;
 use value_order::Prefixes;
@@ -226,6 +227,7 @@ fn encode_with(
         truth: &truth,
         all: &all,
         shown: points.shown(rig, &truth),
+        all_shown: OnceCell::new(),
         some: points,
     };
     let tolerance = head.tolerance_metres(0);

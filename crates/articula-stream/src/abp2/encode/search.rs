@@ -10,6 +10,7 @@ use super::truth::Truth;
 use crate::abp2::pose_unit::{MOST_PLANES, MOST_TIERS, TrackForm};
 use articula_core::{Mismatch, Rig};
 use glam::Vec3;
+use std::cell::OnceCell;
 
 /// Halvings of the interval of a factor.
 const HALVINGS: usize = 9;
@@ -17,6 +18,8 @@ const HALVINGS: usize = 9;
 const FACTORS: [f64; 2] = [0.05, 8.0];
 /// Factors of the planes of a tier, by its tolerance.
 const TIER_FACTORS: [f64; 2] = [0.02, 4.0];
+/// Most places of points that are kept, 192 MB.
+const MOST_PLACES: usize = 1 << 24;
 /// Rounds in which the worst vertices join the points of the search.
 const ROUNDS: usize = 3;
 /// What a factor falls by where the points of the search miss the worst vertex.
@@ -93,6 +96,8 @@ pub(super) struct Judge<'a> {
     pub(super) all: &'a SkinPoints,
     pub(super) some: SkinPoints,
     pub(super) shown: Vec<Vec3>,
+    /// The true places of all points, frame by frame, once they were measured; empty if they are too many.
+    pub(super) all_shown: OnceCell<Vec<Vec3>>,
 }
 
 impl Judge<'_> {
@@ -108,11 +113,17 @@ impl Judge<'_> {
 
     /// Error at all points, and those that are beyond `limit` and the worst of a frame.
     pub(super) fn whole(&self, motion: &Truth, limit: f64) -> (SkinError, Vec<usize>) {
+        let shown =
+            self.all_shown
+                .get_or_init(|| match self.all.len().saturating_mul(self.truth.frames) {
+                    0..=MOST_PLACES => self.all.shown(self.rig, self.truth),
+                    _ => Vec::new(),
+                });
         let measure = Measure {
             rig: self.rig,
             points: self.all,
             truth: self.truth,
-            shown: None,
+            shown: (!shown.is_empty()).then_some(shown),
         };
         let mut sums = Sums::default();
         let mut worst = Vec::new();
