@@ -2,6 +2,7 @@
 
 use crate::commands::{
     adapt, build, completions, convert, crowd, demo, flatten, gbsd, human, inspect, lod, package,
+    serve,
 };
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
@@ -71,6 +72,8 @@ pub(crate) enum Command {
     Package(package::PackageArgs),
     /// Cut a digital item to what network, device, viewer and view allow, with the least visible error
     Adapt(adapt::AdaptArgs),
+    /// Serve a folder of characters over HTTP as digital items, from the first stage of packaging on
+    Serve(serve::ServeArgs),
     /// Print the description of a stream after MPEG-21 (gBSD), or the stylesheet that adapts it
     Gbsd(gbsd::GbsdArgs),
     /// Print a completion script for a shell
@@ -91,6 +94,7 @@ impl Command {
             Self::Flatten(args) => flatten::run(args, console),
             Self::Package(args) => package::run(args, console),
             Self::Adapt(args) => adapt::run(args, console),
+            Self::Serve(args) => serve::run(args, console),
             Self::Gbsd(args) => gbsd::run(args, console),
             Self::Completions(args) => completions::run(args, CommandLine::command(), console),
         }

@@ -12,3 +12,4 @@ pub(crate) mod human;
 pub(crate) mod inspect;
 pub(crate) mod lod;
 pub(crate) mod package;
+pub(crate) mod serve;

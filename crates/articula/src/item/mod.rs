@@ -89,5 +89,5 @@ pub use options::{CarriedFile, FaceMotion, PackageOptions};
 pub use package::{StageCallback, package, package_in_stages};
 pub use part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry, TextureView};
 pub use receiver::{ItemChange, ItemReceiver};
-pub use sent::FileEntry;
+pub use sent::{FileEntry, compressed};
 pub use wanted::ItemBytes;

@@ -27,7 +27,7 @@ impl FileEntry {
     pub(super) fn of(name: &str, bytes: &[u8]) -> Self {
         Self {
             bytes: bytes.len() as u64,
-            compressed_bytes: compressed_bytes(name, bytes),
+            compressed_bytes: compressed(name, bytes).map(|short| short.len() as u64),
             hash: hash(bytes),
         }
     }
@@ -47,7 +47,9 @@ fn hash(bytes: &[u8]) -> String {
     blake3::hash(bytes).to_hex().to_string()
 }
 
-fn compressed_bytes(name: &str, bytes: &[u8]) -> Option<u64> {
+/// Returns a file with the content coding `br`, as [`FileEntry::compressed_bytes`] counts it; `None` if
+/// that is not shorter, or its own form is compressed.
+pub fn compressed(name: &str, bytes: &[u8]) -> Option<Vec<u8>> {
     if is_compressed(name) {
         return None;
     }
@@ -61,7 +63,7 @@ fn compressed_bytes(name: &str, bytes: &[u8]) -> Option<u64> {
     };
     let mut made = Vec::new();
     brotli::BrotliCompress(&mut &*bytes, &mut made, &options).ok()?;
-    (made.len() < bytes.len()).then_some(made.len() as u64)
+    (made.len() < bytes.len()).then_some(made)
 }
 
 /// Whether a file is of a form that is compressed by itself.

@@ -1,0 +1,109 @@
+//! `articula serve DIR`: serves the characters of a folder over HTTP.
+
+use crate::console::Console;
+use crate::{fault, files};
+use anyhow::Context;
+use articula_serve::{Catalogue, Preparation, Progress, ServeOptions};
+use clap::Args;
+use serde::Serialize;
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Arguments of `serve`.
+#[derive(Debug, Args)]
+pub(crate) struct ServeArgs {
+    /// Folder of characters (.glb, .vrm); what is made of them goes to .articula in it
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Address and port to listen on; port 0 chooses one
+    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
+    addr: SocketAddr,
+    /// Write nothing and take nothing: serve what is packaged
+    #[arg(long)]
+    read_only: bool,
+    /// Take characters only from clients that send `Authorization: Bearer TOKEN`
+    #[arg(long, value_name = "TOKEN")]
+    token: Option<String>,
+}
+
+/// What is served.
+#[derive(Debug, Serialize)]
+struct Listening {
+    url: String,
+    folder: String,
+    characters: usize,
+    ready: usize,
+}
+
+/// Serves until the program is interrupted; connections that are open then end first.
+pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
+    if !args.folder.is_dir() {
+        let what = format!(
+            "{}: there is no such folder; make it",
+            files::shown(&args.folder)
+        );
+        return Err(fault::usage(what));
+    }
+    let is_local = args.addr.ip().is_loopback();
+    if !is_local && args.token.is_none() && !args.read_only {
+        let what =
+            "anyone who reaches this address could store characters; give --token or --read-only";
+        return Err(fault::usage(format!("--addr {}: {what}", args.addr)));
+    }
+    let options = ServeOptions {
+        read_only: args.read_only,
+        token: args.token.clone(),
+        ..ServeOptions::default()
+    };
+    let catalogue = Catalogue::open(&args.folder, &options)?;
+    let runtime = tokio::runtime::Runtime::new().context("threads of the server")?;
+    let listening = || {
+        format!(
+            "{}: another program may use it; choose another port",
+            args.addr
+        )
+    };
+    let preparation = Preparation::start(catalogue.clone());
+    let served = runtime.block_on(async {
+        let listener = tokio::net::TcpListener::bind(args.addr).await;
+        let listener = listener.with_context(listening)?;
+        let states = catalogue.states();
+        let is_ready = |state: &articula_serve::CharacterState| state.progress == Progress::Ready;
+        let told = Listening {
+            url: format!("http://{}/", listener.local_addr()?),
+            folder: files::shown(&args.folder),
+            characters: states.len(),
+            ready: states.iter().filter(|(_, state)| is_ready(state)).count(),
+        };
+        console.result(&told, |told| {
+            format!(
+                "{}: {} characters of {}, {} ready; Ctrl-C ends it\n",
+                told.url, told.characters, told.folder, told.ready
+            )
+        })?;
+        articula_serve::serve(listener, catalogue, interrupted()).await?;
+        anyhow::Ok(())
+    });
+    preparation.stop();
+    served
+}
+
+/// Ends when the program is asked to end.
+async fn interrupted() {
+    let interrupt = tokio::signal::ctrl_c();
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        if let Ok(mut terminate) = signal(SignalKind::terminate()) {
+            tokio::select! {
+                _ = interrupt => {}
+                _ = terminate.recv() => {}
+            }
+            return;
+        }
+    }
+    // Without the signal the server goes on until it is killed.
+    if interrupt.await.is_err() {
+        std::future::pending::<()>().await;
+    }
+}

@@ -1,0 +1,127 @@
+//! Bodies with their tags: validators, parts and codings of RFC 9110.
+
+use crate::metrics::Metrics;
+use crate::objects::{Coding, ObjectName};
+use crate::range::{Asked, asked};
+use axum::body::Body;
+use axum::http::header::{
+    ACCEPT_ENCODING, ACCEPT_RANGES, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_RANGE, CONTENT_TYPE,
+    ETAG, IF_NONE_MATCH, IF_RANGE, RANGE, VARY,
+};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
+use axum::response::{IntoResponse, Response};
+
+/// A body that may be sent whole, in part or not at all.
+pub(crate) struct Answer<'a> {
+    pub(crate) name: &'a ObjectName,
+    pub(crate) media_type: &'static str,
+    pub(crate) cache_control: &'static str,
+}
+
+impl Answer<'_> {
+    /// Answers with an object in the form that the request takes: `load` returns it in a coding, if it
+    /// is there.
+    pub(crate) fn of<E>(
+        &self,
+        request: &HeaderMap,
+        metrics: &Metrics,
+        mut load: impl FnMut(Coding) -> Result<Option<Vec<u8>>, E>,
+    ) -> Result<Option<Response>, E> {
+        let range = text(request, RANGE);
+        let mut short = None;
+        // A part is one of the bytes as they are.
+        if range.is_none() && takes_brotli(request) {
+            short = load(Coding::Brotli)?;
+        }
+        let tag = match short {
+            Some(_) => format!("\"{}-br\"", self.name.as_str()),
+            None => format!("\"{}\"", self.name.as_str()),
+        };
+        let is_known = text(request, IF_NONE_MATCH)
+            .is_some_and(|known| known.split(',').any(|t| matches(t, &tag)));
+        let mut headers = HeaderMap::new();
+        let mut put = |name: HeaderName, value: &str| {
+            // Hashes, numbers and our own words are valid values.
+            if let Ok(value) = HeaderValue::from_str(value) {
+                headers.insert(name, value);
+            }
+        };
+        put(ETAG, &tag);
+        put(CACHE_CONTROL, self.cache_control);
+        put(VARY, "accept-encoding");
+        put(ACCEPT_RANGES, "bytes");
+        if is_known {
+            Metrics::add(&metrics.not_modified, 1);
+            return Ok(Some((StatusCode::NOT_MODIFIED, headers).into_response()));
+        }
+        put(CONTENT_TYPE, self.media_type);
+        if short.is_some() {
+            put(CONTENT_ENCODING, "br");
+        }
+        let whole = match short {
+            Some(short) => short,
+            None => match load(Coding::Identity)? {
+                Some(whole) => whole,
+                None => return Ok(None),
+            },
+        };
+        let is_same = text(request, IF_RANGE).is_none_or(|known| known == tag);
+        let (status, body) = match asked(range.filter(|_| is_same), whole.len()) {
+            Asked::Whole => (StatusCode::OK, whole),
+            Asked::Part(part) => {
+                Metrics::add(&metrics.ranges, 1);
+                let last = part.end - 1;
+                let of = format!("bytes {}-{last}/{}", part.start, whole.len());
+                put(CONTENT_RANGE, &of);
+                (StatusCode::PARTIAL_CONTENT, whole[part].to_vec())
+            }
+            Asked::Unsatisfiable => {
+                put(CONTENT_RANGE, &format!("bytes */{}", whole.len()));
+                (StatusCode::RANGE_NOT_SATISFIABLE, Vec::new())
+            }
+        };
+        Metrics::add(&metrics.body_bytes, body.len() as u64);
+        Ok(Some((status, headers, Body::from(body)).into_response()))
+    }
+}
+
+fn text(request: &HeaderMap, name: HeaderName) -> Option<&str> {
+    request.get(name)?.to_str().ok()
+}
+
+/// Whether a tag of `If-None-Match` is this one, by the weak comparison.
+fn matches(known: &str, tag: &str) -> bool {
+    let known = known.trim();
+    known == "*" || known.strip_prefix("W/").unwrap_or(known) == tag
+}
+
+/// Whether a request takes `br`.
+fn takes_brotli(request: &HeaderMap) -> bool {
+    let codings = text(request, ACCEPT_ENCODING).unwrap_or_default();
+    codings.split(',').any(|coding| {
+        let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));
+        let quality = quality
+            .trim()
+            .strip_prefix("q=")
+            .map_or(1.0, |q| q.parse().unwrap_or(0.0));
+        name.trim().eq_ignore_ascii_case("br") && quality > 0.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codings_and_tags_are_compared_as_the_standard_says() {
+        let takes = |value: &str| {
+            let mut headers = HeaderMap::new();
+            headers.insert(ACCEPT_ENCODING, HeaderValue::from_str(value).unwrap());
+            takes_brotli(&headers)
+        };
+        assert!(takes("br") && takes("gzip, BR;q=0.5") && takes("gzip;q=1.0 , br"));
+        assert!(!takes("gzip") && !takes("br;q=0") && !takes("brotli") && !takes(""));
+        assert!(matches("\"a\"", "\"a\"") && matches(" W/\"a\"", "\"a\"") && matches("*", "\"a\""));
+        assert!(!matches("\"a-br\"", "\"a\""));
+    }
+}

@@ -1,0 +1,300 @@
+//! The characters of a folder, and the state of each.
+
+use crate::error::ServeError;
+use crate::metrics::Metrics;
+use crate::objects::{Objects, write};
+use crate::options::ServeOptions;
+use crate::record::{Records, Served, read};
+use serde::Serialize;
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock};
+use tokio::sync::watch;
+
+/// Folder of what the server makes, in that of the characters.
+const MADE: &str = ".articula";
+/// Extensions of files that hold all of a character.
+const EXTENSIONS: [&str; 2] = ["glb", "vrm"];
+/// Longest name in bytes.
+const LONGEST: usize = 100;
+
+/// How far a character is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case", tag = "state", content = "why")]
+pub enum Progress {
+    /// It waits for the thread that packages.
+    Waiting,
+    /// It is being packaged; stages are served.
+    Packaging,
+    /// All of it is served.
+    Ready,
+    /// It cannot be packaged, for this reason.
+    Failed(String),
+}
+
+/// The state of a character.
+#[derive(Debug, Clone)]
+pub struct CharacterState {
+    /// How far it is.
+    pub progress: Progress,
+    /// What of it is served.
+    pub(crate) served: Option<Served>,
+}
+
+/// A character of the folder.
+#[derive(Debug)]
+struct Character {
+    file: PathBuf,
+    state: watch::Sender<CharacterState>,
+}
+
+/// The characters of a folder; clones share them.
+#[derive(Debug, Clone)]
+pub struct Catalogue(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    root: PathBuf,
+    options: ServeOptions,
+    objects: Objects,
+    records: Records,
+    metrics: Metrics,
+    characters: RwLock<BTreeMap<String, Character>>,
+    /// Names of those that wait.
+    queue: Mutex<VecDeque<String>>,
+    arrived: Condvar,
+}
+
+impl Catalogue {
+    /// Opens a folder: every `.glb` and `.vrm` in it is a character, by the name of the file without its
+    /// extension. What was packaged before is ready at once.
+    ///
+    /// # Errors
+    /// [`ServeError::Store`] with the folder or file that cannot be read.
+    pub fn open(root: &Path, options: &ServeOptions) -> Result<Self, ServeError> {
+        let made = root.join(MADE);
+        let catalogue = Self(Arc::new(Shared {
+            root: root.to_path_buf(),
+            objects: Objects::new(made.join("objects")),
+            records: Records::new(made.join("items"), options),
+            options: options.clone(),
+            metrics: Metrics::default(),
+            characters: RwLock::default(),
+            queue: Mutex::default(),
+            arrived: Condvar::new(),
+        }));
+        for file in sources(root)? {
+            let stem = file.file_stem().unwrap_or_default();
+            let stem = stem.to_string_lossy().into_owned();
+            let name = match catalogue.state(&stem) {
+                None => stem,
+                Some(_) => file
+                    .file_name()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into_owned(),
+            };
+            catalogue.add(name, file)?;
+        }
+        Ok(catalogue)
+    }
+
+    /// Returns the names of all characters with their states, by name.
+    pub fn states(&self) -> Vec<(String, CharacterState)> {
+        let characters = read_lock(&self.0.characters);
+        let states = characters.iter();
+        states
+            .map(|(name, c)| (name.clone(), c.state.borrow().clone()))
+            .collect()
+    }
+
+    /// Returns the state of a character.
+    pub fn state(&self, name: &str) -> Option<CharacterState> {
+        let characters = read_lock(&self.0.characters);
+        characters.get(name).map(|c| c.state.borrow().clone())
+    }
+
+    /// Tells every later state of a character.
+    pub(crate) fn watch(&self, name: &str) -> Option<watch::Receiver<CharacterState>> {
+        let characters = read_lock(&self.0.characters);
+        characters.get(name).map(|c| c.state.subscribe())
+    }
+
+    /// Stores a character under a name, which then waits to be packaged; one of this name is replaced.
+    ///
+    /// # Errors
+    /// [`ServeError::Name`], and [`ServeError::Store`].
+    pub fn put(&self, name: &str, bytes: &[u8]) -> Result<CharacterState, ServeError> {
+        check_name(name)?;
+        let file = self.0.root.join(format!("{name}.glb"));
+        write(&file, bytes)?;
+        self.add(name.to_owned(), file)
+    }
+
+    fn add(&self, name: String, file: PathBuf) -> Result<CharacterState, ServeError> {
+        let source = read(&file)?.unwrap_or_default();
+        let served = self.0.records.get(&source, &self.0.objects)?;
+        let progress = match (&served, self.0.options.read_only) {
+            (Some(_), _) => Progress::Ready,
+            (None, true) => {
+                Progress::Failed("it is not packaged, and the store is read-only".into())
+            }
+            (None, false) => Progress::Waiting,
+        };
+        let waits = progress == Progress::Waiting;
+        let state = CharacterState { progress, served };
+        let mut characters = self
+            .0
+            .characters
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        match characters.get_mut(&name) {
+            Some(known) => {
+                known.file = file;
+                known.state.send_replace(state.clone());
+            }
+            None => {
+                let sender = watch::Sender::new(state.clone());
+                characters.insert(
+                    name.clone(),
+                    Character {
+                        file,
+                        state: sender,
+                    },
+                );
+            }
+        }
+        drop(characters);
+        if waits {
+            let mut queue = self.queue();
+            queue.retain(|other| *other != name);
+            queue.push_back(name);
+            self.0.arrived.notify_one();
+        }
+        Ok(state)
+    }
+
+    /// The next character to package; blocks until there is one, or `is_over`.
+    pub(crate) fn next(&self, is_over: impl Fn() -> bool) -> Option<(String, PathBuf)> {
+        let mut queue = self.queue();
+        loop {
+            if is_over() {
+                return None;
+            }
+            if let Some(name) = queue.pop_front() {
+                let file = read_lock(&self.0.characters)
+                    .get(&name)
+                    .map(|c| c.file.clone());
+                if let Some(file) = file {
+                    return Some((name, file));
+                }
+                continue;
+            }
+            queue = self
+                .0
+                .arrived
+                .wait(queue)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Wakes who waits for a character.
+    pub(crate) fn wake(&self) {
+        let _queue = self.queue();
+        self.0.arrived.notify_all();
+    }
+
+    fn queue(&self) -> MutexGuard<'_, VecDeque<String>> {
+        self.0.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Sets how far a character is, and what of it is served, if that is news.
+    pub(crate) fn set(&self, name: &str, progress: Progress, served: Option<Served>) {
+        if let Some(character) = read_lock(&self.0.characters).get(name) {
+            character.state.send_modify(|state| {
+                state.progress = progress;
+                state.served = served.or_else(|| state.served.take());
+            });
+        }
+    }
+
+    pub(crate) fn options(&self) -> &ServeOptions {
+        &self.0.options
+    }
+
+    pub(crate) fn objects(&self) -> &Objects {
+        &self.0.objects
+    }
+
+    pub(crate) fn records(&self) -> &Records {
+        &self.0.records
+    }
+
+    pub(crate) fn metrics(&self) -> &Metrics {
+        &self.0.metrics
+    }
+
+    /// Checks that the folder can be read.
+    pub(crate) fn check(&self) -> Result<(), ServeError> {
+        sources(&self.0.root).map(drop)
+    }
+}
+
+fn read_lock(
+    characters: &RwLock<BTreeMap<String, Character>>,
+) -> std::sync::RwLockReadGuard<'_, BTreeMap<String, Character>> {
+    characters.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Checks a name that a client gives.
+fn check_name(name: &str) -> Result<(), ServeError> {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let is_name = (1..=LONGEST).contains(&name.len()) && name.chars().all(is_plain);
+    match is_name && !name.starts_with('.') {
+        true => Ok(()),
+        false => Err(ServeError::Name(name.chars().take(LONGEST).collect())),
+    }
+}
+
+/// The character files of a folder, by name.
+#[allow(clippy::disallowed_methods, reason = "the store is a folder")]
+fn sources(root: &Path) -> Result<Vec<PathBuf>, ServeError> {
+    let fault = |error: std::io::Error| ServeError::store(root, &error);
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(root).map_err(fault)? {
+        let path = entry.map_err(fault)?.path();
+        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+        if path.is_file() && EXTENSIONS.iter().any(|known| extension == *known) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_in_the_folder() {
+        for name in ["knight", "Knight-2_b.x", "a"] {
+            assert!(check_name(name).is_ok(), "{name}");
+        }
+        let long = "a".repeat(LONGEST + 1);
+        for name in [
+            "",
+            ".",
+            "..",
+            ".articula",
+            "a/b",
+            "a\\b",
+            "a b",
+            "ä",
+            "%2e",
+            &long,
+        ] {
+            assert!(check_name(name).is_err(), "{name}");
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! Routes.
+//!
+//! Form: `docs/formats/delivery.md`.
+
+use crate::answer::Answer;
+use crate::catalogue::{Catalogue, CharacterState, Progress};
+use crate::error::ServeError;
+use crate::metrics::Metrics;
+use crate::objects::ObjectName;
+use crate::page::{list, path_of};
+use axum::Json;
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
+use axum::http::header::{AUTHORIZATION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, RETRY_AFTER};
+use axum::http::{HeaderMap, StatusCode};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{get, put};
+use serde::{Deserialize, Serialize};
+use std::future::Future;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::sync::Semaphore;
+
+/// What never changes may be kept for a year.
+const IMMUTABLE: &str = "public, max-age=31536000, immutable";
+/// What changes is asked for again, by its tag.
+const CHANGING: &str = "no-cache";
+/// Longest time that a request waits for news, seconds.
+const LONGEST_WAIT_SECS: f64 = 60.0;
+
+/// Answers connections until `stop` ends; those that are open then end first.
+///
+/// # Errors
+/// [`ServeError::Network`].
+pub async fn serve(
+    listener: TcpListener,
+    catalogue: Catalogue,
+    stop: impl Future<Output = ()> + Send + 'static,
+) -> Result<(), ServeError> {
+    let routes = router(catalogue);
+    Ok(axum::serve(listener, routes)
+        .with_graceful_shutdown(stop)
+        .await?)
+}
+
+/// Returns the routes of a catalogue.
+pub fn router(catalogue: Catalogue) -> axum::Router {
+    let places = Arc::new(Semaphore::new(catalogue.options().most_requests));
+    let most_bytes = catalogue.options().most_bytes;
+    let limited = (catalogue.clone(), places);
+    axum::Router::new()
+        .route("/", get(page))
+        .route("/v1/characters", get(characters))
+        .route("/v1/characters/{name}", put(put_character).get(character))
+        .route("/v1/characters/{name}/manifest.json", get(manifest))
+        .route("/v1/characters/{name}/{*file}", get(file))
+        .route("/v1/o/{hash}", get(object))
+        .layer(DefaultBodyLimit::max(most_bytes))
+        .layer(from_fn_with_state(limited, limit))
+        // These answer also when all places are taken.
+        .route("/healthz", get(|| async { "ok\n" }))
+        .route("/readyz", get(ready))
+        .route("/metrics", get(metrics))
+        .with_state(catalogue)
+}
+
+/// Counts requests, and refuses those beyond the limit.
+async fn limit(
+    State((catalogue, places)): State<(Catalogue, Arc<Semaphore>)>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let metrics = catalogue.metrics();
+    Metrics::add(&metrics.requests, 1);
+    let Ok(_place) = places.try_acquire() else {
+        Metrics::add(&metrics.overloaded, 1);
+        return later("too many requests at once");
+    };
+    let response = next.run(request).await;
+    if response.status().as_u16() >= 400 {
+        Metrics::add(&metrics.refused, 1);
+    }
+    response
+}
+
+/// An error as JSON.
+#[derive(Debug, Serialize)]
+struct Fault {
+    error: String,
+}
+
+fn fault(status: StatusCode, what: impl Into<String>) -> Response {
+    let error = what.into();
+    (status, Json(Fault { error })).into_response()
+}
+
+fn later(what: &str) -> Response {
+    let mut response = fault(StatusCode::SERVICE_UNAVAILABLE, what);
+    response.headers_mut().insert(RETRY_AFTER, 1.into());
+    response
+}
+
+fn unknown(what: &str) -> Response {
+    fault(StatusCode::NOT_FOUND, format!("there is no such {what}"))
+}
+
+impl IntoResponse for ServeError {
+    fn into_response(self) -> Response {
+        let status = match &self {
+            Self::Name(_) | Self::Character(_) => StatusCode::BAD_REQUEST,
+            Self::Store { .. } | Self::Network(_) => StatusCode::INTERNAL_SERVER_ERROR,
+        };
+        fault(status, self.to_string())
+    }
+}
+
+/// A character as JSON.
+#[derive(Debug, Serialize)]
+struct CharacterReport {
+    name: String,
+    #[serde(flatten)]
+    progress: Progress,
+    /// Where its manifest is, once a stage is made.
+    manifest: Option<String>,
+    bytes: Option<u64>,
+    bytes_sent: Option<u64>,
+}
+
+impl CharacterReport {
+    fn new(name: String, state: CharacterState) -> Self {
+        let served = state.served.as_ref();
+        Self {
+            manifest: served.map(|_| format!("/v1/characters/{}/manifest.json", path_of(&name))),
+            bytes: served.map(|served| served.bytes),
+            bytes_sent: served.map(|served| served.sent_bytes),
+            progress: state.progress,
+            name,
+        }
+    }
+}
+
+async fn page(State(catalogue): State<Catalogue>) -> Response {
+    let policy = "default-src 'none'; style-src 'unsafe-inline'";
+    let headers = [
+        (CONTENT_TYPE, "text/html; charset=utf-8"),
+        (CONTENT_SECURITY_POLICY, policy),
+    ];
+    (headers, list(&catalogue.states())).into_response()
+}
+
+async fn characters(State(catalogue): State<Catalogue>) -> Response {
+    let states = catalogue.states().into_iter();
+    let all: Vec<CharacterReport> = states.map(|(n, s)| CharacterReport::new(n, s)).collect();
+    Json(all).into_response()
+}
+
+async fn character(State(catalogue): State<Catalogue>, Path(name): Path<String>) -> Response {
+    match catalogue.state(&name) {
+        Some(state) => Json(CharacterReport::new(name, state)).into_response(),
+        None => unknown("character"),
+    }
+}
+
+async fn put_character(
+    State(catalogue): State<Catalogue>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+    body: Bytes,
+) -> Response {
+    if catalogue.options().read_only {
+        return fault(StatusCode::FORBIDDEN, "this server takes no characters");
+    }
+    if !is_allowed(&catalogue, &headers) {
+        return fault(
+            StatusCode::UNAUTHORIZED,
+            "Authorization: Bearer TOKEN is missing or wrong",
+        );
+    }
+    if !body.starts_with(b"glTF") {
+        let what = "the body is no binary glTF (.glb, .vrm), which begins with \"glTF\"";
+        return fault(StatusCode::UNSUPPORTED_MEDIA_TYPE, what);
+    }
+    let stored = blocking(move || {
+        let state = catalogue.put(&name, &body)?;
+        Ok(CharacterReport::new(name, state))
+    });
+    match stored.await {
+        Ok(report) => (StatusCode::ACCEPTED, Json(report)).into_response(),
+        Err(error) => error.into_response(),
+    }
+}
+
+/// Whether a request has the token; hashes are compared, which takes the same time for any.
+fn is_allowed(catalogue: &Catalogue, headers: &HeaderMap) -> bool {
+    let Some(token) = &catalogue.options().token else {
+        return true;
+    };
+    let given = headers
+        .get(AUTHORIZATION)
+        .and_then(|value| value.to_str().ok());
+    let given = given
+        .and_then(|value| value.strip_prefix("Bearer "))
+        .unwrap_or_default();
+    blake3::hash(given.as_bytes()) == blake3::hash(token.as_bytes())
+}
+
+/// How a request for a manifest waits.
+#[derive(Debug, Deserialize)]
+struct Waiting {
+    /// Seconds to wait for one that the client does not have.
+    #[serde(default)]
+    wait: f64,
+}
+
+/// The manifest of a character as far as it is made. With `wait`, a client that names the one that it
+/// has by `If-None-Match` gets the next one as soon as there is one.
+async fn manifest(
+    State(catalogue): State<Catalogue>,
+    Path(name): Path<String>,
+    Query(waiting): Query<Waiting>,
+    request: HeaderMap,
+) -> Response {
+    let Some(mut states) = catalogue.watch(&name) else {
+        return unknown("character");
+    };
+    let secs = waiting.wait.clamp(0.0, LONGEST_WAIT_SECS);
+    let known = request.get(axum::http::header::IF_NONE_MATCH).cloned();
+    let is_news = |state: &CharacterState| {
+        let known = known
+            .as_ref()
+            .and_then(|tags| tags.to_str().ok())
+            .unwrap_or_default();
+        let has = |served: &crate::record::Served| known.contains(served.name.as_str());
+        let is_busy = matches!(state.progress, Progress::Waiting | Progress::Packaging);
+        !is_busy || state.served.as_ref().is_some_and(|served| !has(served))
+    };
+    if secs > 0.0 {
+        let news = states.wait_for(is_news);
+        // What is there in the end is answered, news or not.
+        let _ = tokio::time::timeout(Duration::from_secs_f64(secs), news).await;
+    }
+    let state = states.borrow().clone();
+    let Some(served) = state.served else {
+        return match state.progress {
+            Progress::Failed(why) => fault(StatusCode::UNPROCESSABLE_ENTITY, why),
+            _ => later("the character is being packaged"),
+        };
+    };
+    let answer = Answer {
+        name: &served.name,
+        media_type: "application/json",
+        cache_control: CHANGING,
+    };
+    stored(&catalogue, &answer, &request).await
+}
+
+/// A file of a character as far as it is made, by its name in the item.
+async fn file(
+    State(catalogue): State<Catalogue>,
+    Path((name, file)): Path<(String, String)>,
+    request: HeaderMap,
+) -> Response {
+    let state = catalogue.state(&name);
+    let served = state.and_then(|state| state.served);
+    let Some(object) = served.and_then(|served| served.files.get(&file).cloned()) else {
+        return unknown("file");
+    };
+    let answer = Answer {
+        name: &object,
+        media_type: media_type(&file),
+        cache_control: CHANGING,
+    };
+    stored(&catalogue, &answer, &request).await
+}
+
+/// An object by its hash.
+async fn object(
+    State(catalogue): State<Catalogue>,
+    Path(hash): Path<String>,
+    request: HeaderMap,
+) -> Response {
+    let Some(name) = ObjectName::parse(&hash) else {
+        return unknown("object");
+    };
+    let answer = Answer {
+        name: &name,
+        media_type: "application/octet-stream",
+        cache_control: IMMUTABLE,
+    };
+    stored(&catalogue, &answer, &request).await
+}
+
+/// Answers with an object of the store.
+async fn stored(catalogue: &Catalogue, answer: &Answer<'_>, request: &HeaderMap) -> Response {
+    let (catalogue, request) = (catalogue.clone(), request.clone());
+    let (name, media_type, cache_control) =
+        (answer.name.clone(), answer.media_type, answer.cache_control);
+    let read = blocking(move || {
+        let answer = Answer {
+            name: &name,
+            media_type,
+            cache_control,
+        };
+        let load = |coding| catalogue.objects().get(&name, coding);
+        answer.of(&request, catalogue.metrics(), load)
+    });
+    match read.await {
+        Ok(Some(response)) => response,
+        Ok(None) => unknown("object"),
+        Err(error) => error.into_response(),
+    }
+}
+
+/// Runs what waits for files on a thread for that.
+async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, ServeError> + Send + 'static,
+) -> Result<T, ServeError> {
+    let done = tokio::task::spawn_blocking(work).await;
+    done.unwrap_or_else(|error| Err(ServeError::Network(std::io::Error::other(error))))
+}
+
+async fn ready(State(catalogue): State<Catalogue>) -> Response {
+    match blocking(move || catalogue.check()).await {
+        Ok(()) => "ok\n".into_response(),
+        Err(error) => fault(StatusCode::SERVICE_UNAVAILABLE, error.to_string()),
+    }
+}
+
+async fn metrics(State(catalogue): State<Catalogue>) -> Response {
+    let form = [(CONTENT_TYPE, "text/plain; version=0.0.4")];
+    (form, catalogue.metrics().text()).into_response()
+}
+
+/// Media type of a file of an item.
+fn media_type(file: &str) -> &'static str {
+    match file.rsplit_once('.').map_or("", |(_, extension)| extension) {
+        "glb" => "model/gltf-binary",
+        "png" => "image/png",
+        "jpg" | "jpeg" => "image/jpeg",
+        "webp" => "image/webp",
+        "svg" => "image/svg+xml",
+        "mp3" => "audio/mpeg",
+        "json" => "application/json",
+        _ => "application/octet-stream",
+    }
+}

@@ -1,0 +1,51 @@
+//! Serves digital items over HTTP: a folder of characters becomes objects that never change, named by
+//! their BLAKE3, and manifests by which a client fetches what it can use, range by range.
+//!
+//! Form: `docs/formats/delivery.md`. A character file of the folder is packaged in stages by one thread;
+//! each stage is served as soon as it is made, and what was packaged is never packaged again.
+//!
+//! ```text
+//! folder ─ Catalogue::open ─▶ Catalogue ─ prepare (a thread) ─▶ stages: objects, manifest
+//! Catalogue ─ router ─▶ axum::Router ─ serve ─▶ connections
+//! ```
+//!
+//! - `error`: what goes wrong
+//! - `objects`: bytes by their hash, in a folder
+//! - `record`: what is known of a packaged source
+//! - `catalogue`: the characters of a folder, and the state of each
+//! - `prepare`: the thread that packages them
+//! - `range`: parts of a body
+//! - `answer`: bodies with their tags
+//! - `metrics`, `page`: the state of the server for programs and people
+//! - `http`: routes
+//!
+//! ```no_run
+//! use articula_serve::{Catalogue, Preparation, ServeOptions, serve};
+//!
+//! # async fn run() -> Result<(), articula_serve::ServeError> {
+//! let catalogue = Catalogue::open("characters".as_ref(), &ServeOptions::default())?;
+//! let preparation = Preparation::start(catalogue.clone());
+//! let listener = tokio::net::TcpListener::bind("127.0.0.1:8080").await?;
+//! serve(listener, catalogue, std::future::pending()).await?;
+//! preparation.stop();
+//! # Ok(())
+//! # }
+//! ```
+
+mod answer;
+mod catalogue;
+mod error;
+mod http;
+mod metrics;
+mod objects;
+mod options;
+mod page;
+mod prepare;
+mod range;
+mod record;
+
+pub use catalogue::{Catalogue, CharacterState, Progress};
+pub use error::ServeError;
+pub use http::{router, serve};
+pub use options::ServeOptions;
+pub use prepare::Preparation;

@@ -1,0 +1,35 @@
+//! Options of a server.
+
+use articula::OpenOptions;
+use articula::item::PackageOptions;
+
+/// Options of [`Catalogue::open`](crate::Catalogue::open).
+#[derive(Debug, Clone)]
+pub struct ServeOptions {
+    /// Whether nothing is written: only what is packaged is served, and nothing is taken.
+    pub read_only: bool,
+    /// What a client that puts a character must know (`Authorization: Bearer TOKEN`); anyone may without.
+    pub token: Option<String>,
+    /// Most bytes of a character that is put.
+    pub most_bytes: usize,
+    /// Most requests that are answered at once; others get 503.
+    pub most_requests: usize,
+    /// How characters are opened.
+    pub open: OpenOptions,
+    /// How they are packaged.
+    pub package: PackageOptions,
+}
+
+impl Default for ServeOptions {
+    /// Characters of up to 256 MB, 512 requests at once, packaged as `articula package` does.
+    fn default() -> Self {
+        Self {
+            read_only: false,
+            token: None,
+            most_bytes: 256 << 20,
+            most_requests: 512,
+            open: OpenOptions::default(),
+            package: PackageOptions::default(),
+        }
+    }
+}

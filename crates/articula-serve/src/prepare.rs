@@ -1,0 +1,102 @@
+//! The thread that packages characters, stage by stage.
+
+use crate::catalogue::{Catalogue, Progress};
+use crate::error::ServeError;
+use crate::metrics::Metrics;
+use crate::record::{Served, read};
+use articula::item::package_in_stages;
+use articula::{Error, Executor, Job, Step, open};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+
+/// A thread that packages what waits in a catalogue.
+#[derive(Debug)]
+pub struct Preparation {
+    catalogue: Catalogue,
+    is_over: Arc<AtomicBool>,
+    thread: JoinHandle<()>,
+}
+
+impl Preparation {
+    /// Starts the thread. It packages one character after the other, each on all processors.
+    pub fn start(catalogue: Catalogue) -> Self {
+        let is_over = Arc::new(AtomicBool::new(false));
+        let (of_thread, over) = (catalogue.clone(), Arc::clone(&is_over));
+        let thread = std::thread::spawn(move || run(&of_thread, &over));
+        Self {
+            catalogue,
+            is_over,
+            thread,
+        }
+    }
+
+    /// Stops the thread at the end of the step that it is in. What it had not finished is begun anew by
+    /// the next server on the folder.
+    pub fn stop(self) {
+        self.is_over.store(true, Ordering::Release);
+        self.catalogue.wake();
+        // A panic of the thread has been told.
+        let _ = self.thread.join();
+    }
+}
+
+fn run(catalogue: &Catalogue, is_over: &AtomicBool) {
+    while let Some((name, file)) = catalogue.next(|| is_over.load(Ordering::Acquire)) {
+        catalogue.set(&name, Progress::Packaging, None);
+        let metrics = catalogue.metrics();
+        // One character must not end the thread for all others.
+        let made = catch_unwind(AssertUnwindSafe(|| {
+            packaged(catalogue, &name, &file, is_over)
+        }));
+        let made = made.unwrap_or_else(|_| Err(Error::Io("packaging it failed".into()).into()));
+        match made {
+            Ok(served) => {
+                Metrics::add(&metrics.packaged, 1);
+                catalogue.set(&name, Progress::Ready, Some(served));
+            }
+            Err(_) if is_over.load(Ordering::Acquire) => {}
+            Err(error) => {
+                Metrics::add(&metrics.failed, 1);
+                catalogue.set(&name, Progress::Failed(error.to_string()), None);
+            }
+        }
+    }
+}
+
+/// Packages a character and serves its stages.
+fn packaged(
+    catalogue: &Catalogue,
+    name: &str,
+    file: &Path,
+    is_over: &AtomicBool,
+) -> Result<Served, ServeError> {
+    let options = catalogue.options();
+    let source = read(file)?.unwrap_or_default();
+    let file_name = file.file_name().unwrap_or_default().to_string_lossy();
+    let mut nothing = |_: &str| Err("a served character holds all its data".to_owned());
+    let opened = open(&source, &file_name, &options.open, &mut nothing)?;
+    let on_step = |_: Step| match is_over.load(Ordering::Acquire) {
+        true => ControlFlow::Break(()),
+        false => ControlFlow::Continue(()),
+    };
+    let run_jobs = |jobs: &mut [Job<'_>]| jobs.par_iter_mut().for_each(Job::run);
+    let work = Executor::default().on_step(&on_step).run_jobs(&run_jobs);
+    let stored = |item: &_| {
+        let served = Served::store(item, catalogue.objects());
+        served.map_err(|error| Error::Io(error.to_string()))
+    };
+    let item = package_in_stages(opened, &options.package, &work, &mut |stage| {
+        let served = stored(stage)?;
+        Metrics::add(&catalogue.metrics().stages, 1);
+        catalogue.set(name, Progress::Packaging, Some(served));
+        Ok(())
+    })?;
+    let served = stored(&item)?;
+    catalogue.records().put(&source, &served)?;
+    Ok(served)
+}

@@ -1,0 +1,134 @@
+//! What is known of a source that was packaged, so that it never is again.
+
+use crate::error::ServeError;
+use crate::objects::{Coding, ObjectName, Objects, write};
+use crate::options::ServeOptions;
+use articula::item::{FileEntry, Item, MANIFEST, Manifest, compressed};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// An item, whole or a stage of it, whose files are objects.
+#[derive(Debug, Clone)]
+pub(crate) struct Served {
+    /// Name of the object that is its manifest.
+    pub(crate) name: ObjectName,
+    /// The objects of its files.
+    pub(crate) files: BTreeMap<String, ObjectName>,
+    /// Bytes of all files, as they are and as they are sent.
+    pub(crate) bytes: u64,
+    pub(crate) sent_bytes: u64,
+}
+
+impl Served {
+    /// Stores the files of an item and its manifest.
+    pub(crate) fn store(item: &Item, objects: &Objects) -> Result<Self, ServeError> {
+        for (file, entry) in &item.manifest.files {
+            let (Some(bytes), Some(name)) = (item.file(file), ObjectName::parse(&entry.hash))
+            else {
+                continue;
+            };
+            objects.put(&name, Coding::Identity, bytes)?;
+            if entry.compressed_bytes.is_some()
+                && let Some(short) = compressed(file, bytes)
+            {
+                objects.put(&name, Coding::Brotli, &short)?;
+            }
+        }
+        // The manifest comes last.
+        let manifest = item
+            .files()
+            .pop()
+            .map(|(_, bytes)| bytes)
+            .unwrap_or_default();
+        let name = ObjectName::of(&manifest);
+        objects.put(&name, Coding::Identity, &manifest)?;
+        if let Some(short) = compressed(MANIFEST, &manifest) {
+            objects.put(&name, Coding::Brotli, &short)?;
+        }
+        Ok(Self::new(name, &item.manifest))
+    }
+
+    fn new(name: ObjectName, of: &Manifest) -> Self {
+        let files = of.files.iter();
+        let name_of = |(file, entry): (&String, &FileEntry)| {
+            Some((file.clone(), ObjectName::parse(&entry.hash)?))
+        };
+        Self {
+            name,
+            files: files.clone().filter_map(name_of).collect(),
+            bytes: files.clone().map(|(_, entry)| entry.bytes).sum(),
+            sent_bytes: files.map(|(_, entry)| entry.sent_bytes()).sum(),
+        }
+    }
+}
+
+/// The record of a packaged source.
+#[derive(Debug, Serialize, Deserialize)]
+struct Record {
+    /// Name of the object that is the manifest.
+    manifest: String,
+}
+
+/// Records by the hash of a source and of how it is packaged.
+#[derive(Debug)]
+pub(crate) struct Records {
+    folder: PathBuf,
+    /// What other options or another program make of a source is another item.
+    how: String,
+}
+
+impl Records {
+    pub(crate) fn new(folder: PathBuf, options: &ServeOptions) -> Self {
+        let how = format!("{} {:?}", env!("CARGO_PKG_VERSION"), options.package);
+        Self { folder, how }
+    }
+
+    /// Returns the item of a source, if it was packaged and all of its manifest is there.
+    pub(crate) fn get(
+        &self,
+        source: &[u8],
+        objects: &Objects,
+    ) -> Result<Option<Served>, ServeError> {
+        let Some(record) = read(&self.path(source))? else {
+            return Ok(None);
+        };
+        let record: Option<Record> = serde_json::from_slice(&record).ok();
+        let Some(name) = record.and_then(|record| ObjectName::parse(&record.manifest)) else {
+            return Ok(None);
+        };
+        let Some(manifest) = objects.get(&name, Coding::Identity)? else {
+            return Ok(None);
+        };
+        let of: Option<Manifest> = serde_json::from_slice(&manifest).ok();
+        Ok(of.map(|of| Served::new(name, &of)))
+    }
+
+    /// Records that a source was packaged.
+    pub(crate) fn put(&self, source: &[u8], served: &Served) -> Result<(), ServeError> {
+        let record = Record {
+            manifest: served.name.as_str().to_owned(),
+        };
+        // A text and a name cannot fail.
+        let text = serde_json::to_vec(&record).unwrap_or_default();
+        write(&self.path(source), &text)
+    }
+
+    fn path(&self, source: &[u8]) -> PathBuf {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(blake3::hash(source).as_bytes());
+        hasher.update(self.how.as_bytes());
+        self.folder
+            .join(format!("{}.json", hasher.finalize().to_hex()))
+    }
+}
+
+/// A file, if it is there.
+#[allow(clippy::disallowed_methods, reason = "the store is a folder")]
+pub(crate) fn read(path: &Path) -> Result<Option<Vec<u8>>, ServeError> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(ServeError::store(path, &error)),
+    }
+}

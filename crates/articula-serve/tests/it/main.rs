@@ -1,0 +1,13 @@
+//! Integration tests of the server: real connections to it on the loopback address.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may panic, looks for the folder of real files, and says what it skips"
+)]
+
+mod client;
+#[path = "../../../articula-formats/tests/it/real/mod.rs"]
+mod real;
+mod refusals;
+mod stages;
