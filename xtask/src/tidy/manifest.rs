@@ -22,8 +22,8 @@ const SIBLING_EDGES: &[(&str, &str)] = &[("articula-human", "articula-build")];
 /// Programs: no crate depends on them.
 const PROGRAMS: &[&str] = &["articula-cli", "articula-lab"];
 
-/// Pictures, plots and clocks of reports, above the library: for programs only.
-const REPORT: &str = "articula-report";
+/// Reports and the server, above the library: for programs only.
+const ABOVE: &[&str] = &["articula-report", "articula-serve"];
 
 /// All allowed dependencies of the core.
 const CORE_MAY_USE: &[&str] = &["glam"];
@@ -73,9 +73,9 @@ fn refusal(package: &str, dependency: &str) -> Option<String> {
             "{package} must not depend on the program {dependency}"
         ));
     }
-    if package == "articula" && dependency == REPORT {
+    if package == "articula" && ABOVE.contains(&dependency) {
         return Some(format!(
-            "the library must not depend on {REPORT}: reports belong to the programs"
+            "the library must not depend on {dependency}, which is for the programs"
         ));
     }
     if package == "xtask" && ours {
@@ -219,6 +219,7 @@ mod tests {
         let on = |dependency: &str| format!("[dependencies]\n{dependency}.workspace = true\n");
         assert_eq!(faults("articula-lab", &on("articula-cli")), 1);
         assert_eq!(faults("articula", &on("articula-report")), 1);
+        assert_eq!(faults("articula", &on("articula-serve")), 1);
         assert_eq!(faults("articula", &on("articula-build")), 0);
         assert_eq!(faults("articula-cli", &on("articula-report")), 0);
     }

@@ -8,7 +8,7 @@ use super::tree::Tree;
 use std::collections::HashSet;
 
 /// Crates whose public items must have a user.
-const LIBRARIES: [&str; 8] = [
+const LIBRARIES: [&str; 9] = [
     "articula",
     "articula_build",
     "articula_core",
@@ -16,6 +16,7 @@ const LIBRARIES: [&str; 8] = [
     "articula_formats",
     "articula_human",
     "articula_report",
+    "articula_serve",
     "articula_stream",
 ];
 

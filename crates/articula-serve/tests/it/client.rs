@@ -1,10 +1,12 @@
 //! A server for a test, and requests to it over a plain connection.
 
 use articula::item::PackageOptions;
-use articula_serve::{Catalogue, Preparation, ServeOptions, serve};
+use articula_serve::{Catalogue, Preparation, ServeOptions, router, serve};
+use std::future::Future;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
+use std::pin::Pin;
 use std::thread::JoinHandle;
 use tokio::sync::oneshot;
 
@@ -21,6 +23,10 @@ pub(crate) fn options() -> ServeOptions {
     }
 }
 
+type Ending = Pin<Box<dyn Future<Output = ()> + Send>>;
+/// Answers connections until its last argument ends.
+type Answering = fn(tokio::net::TcpListener, Catalogue, Ending) -> Ending;
+
 /// A server of a folder, until it is dropped.
 pub(crate) struct Server {
     pub(crate) at: SocketAddr,
@@ -30,6 +36,21 @@ pub(crate) struct Server {
 
 impl Server {
     pub(crate) fn start(folder: &Path, options: &ServeOptions) -> Self {
+        Self::run(folder, options, |listener, catalogue, stopped| {
+            Box::pin(async { serve(listener, catalogue, stopped).await.unwrap() })
+        })
+    }
+
+    /// The routes as a part of those of another server, below `/avatars`.
+    pub(crate) fn nested(folder: &Path, options: &ServeOptions) -> Self {
+        Self::run(folder, options, |listener, catalogue, stopped| {
+            let routes = axum::Router::new().nest_service("/avatars", router(catalogue));
+            let served = axum::serve(listener, routes).with_graceful_shutdown(stopped);
+            Box::pin(async { served.await.unwrap() })
+        })
+    }
+
+    fn run(folder: &Path, options: &ServeOptions, answer: Answering) -> Self {
         let catalogue = Catalogue::open(folder, options).unwrap();
         let preparation = Preparation::start(catalogue.clone());
         let (stop, stopped) = oneshot::channel();
@@ -40,10 +61,10 @@ impl Server {
             runtime.block_on(async {
                 let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
                 tell.send(listener.local_addr().unwrap()).unwrap();
-                let stopped = async {
+                let stopped = Box::pin(async {
                     let _ = stopped.await;
-                };
-                serve(listener, catalogue, stopped).await.unwrap();
+                });
+                answer(listener, catalogue, stopped).await;
             });
             preparation.stop();
         });

@@ -89,3 +89,11 @@ fn requests_beyond_the_limit_are_told_to_come_later() {
     let counted = String::from_utf8(server.get("/metrics", &[]).body).unwrap();
     assert!(counted.contains("articula_overloaded_total 1\n"));
 }
+
+#[test]
+fn the_routes_are_part_of_other_ones() {
+    let folder = tempfile::tempdir().unwrap();
+    let server = Server::nested(folder.path(), &options());
+    assert_eq!(server.get("/avatars/v1/characters", &[]).body, b"[]");
+    assert_eq!(server.get("/v1/characters", &[]).status, 404);
+}
