@@ -35,6 +35,14 @@ impl Item {
         Self { manifest, files }.described()
     }
 
+    /// The item of a manifest, none of whose files is here: what can be decided about it can be.
+    pub(super) fn elsewhere(manifest: Manifest) -> Self {
+        Self {
+            manifest,
+            files: BTreeMap::new(),
+        }
+    }
+
     /// The item with a manifest that describes how its files travel: those that changed anew.
     fn described(mut self) -> Self {
         let mut entries = BTreeMap::new();

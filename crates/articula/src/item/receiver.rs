@@ -1,9 +1,10 @@
 //! Client side of an item: bytes of its files as they arrive, a character that refines.
 
-use super::adapt::ItemCut;
+use super::adapt::{AdaptOptions, ItemCut, ItemDecision, decide};
 use super::assemble::faps;
 use super::check;
 use super::decoded_mesh::decoded;
+use super::files::Item;
 use super::manifest::Manifest;
 use super::part::{ItemLayer, ItemPart, PartKind};
 use super::pieces::Pieces;
@@ -12,12 +13,13 @@ use super::wanted::ItemBytes;
 use crate::clip_streams::abp2::is_of_rig;
 use crate::clip_streams::face_clip::fap_clip;
 use crate::clip_streams::stream_limits;
-use crate::error::{Context, Error, Result};
+use crate::error::{Context as _, Error, Result};
 use crate::open::{CharacterFile, OpenOptions};
 use articula_core::{Clip, Rig};
 use articula_formats::mpeg4::fap::FapClip;
 use articula_stream::abp2::MotionReceiver;
 use articula_stream::afp2::FaceReceiver;
+use articula_stream::description::Context;
 use articula_stream::mesh;
 use articula_stream::{ByteRanges, FaceReadOptions, StreamError, StreamLimits};
 use std::collections::BTreeMap;
@@ -102,6 +104,15 @@ impl ItemReceiver {
     /// Returns the manifest.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
+    }
+
+    /// Decides what of the item to fetch in a context, by the manifest alone: as [`decide`] does.
+    ///
+    /// # Errors
+    /// As there. Regions that the context leaves out are an error too: which bytes they are, only the unit
+    /// index of a stream tells.
+    pub fn decide(&self, context: &Context, options: &AdaptOptions) -> Result<ItemDecision> {
+        decide(&Item::elsewhere(self.manifest.clone()), context, options)
     }
 
     /// Returns the bytes that are held.

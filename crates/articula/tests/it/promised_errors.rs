@@ -187,7 +187,7 @@ fn promises_of_many_characters_hold() {
         "glb/Fox.glb",
         "glb/pab_arnaud.glb",
         "glb/mannequiny.glb",
-        "glb/mh_male_cmu31.glb",
+        "glb/Quaternius_single_knight_pack__KnightCharacter.glb",
         "glb/mh_female_dance.glb",
         "glb/Quaternius_cyberpunk_pack__Character.glb",
         "glb/ict_head_talk_554.glb",

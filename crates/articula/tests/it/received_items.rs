@@ -4,13 +4,14 @@
 use crate::real;
 use crate::short::shortened;
 use articula::item::{
-    FaceMotion, Item, ItemBytes, ItemChange, ItemCut, ItemReceiver, MANIFEST, PackageOptions,
-    PartKind, Regions, assemble, package,
+    AdaptOptions, FaceMotion, Item, ItemBytes, ItemChange, ItemCut, ItemReceiver, MANIFEST,
+    PackageOptions, PartKind, Regions, assemble, decide, package,
 };
 use articula::{Data, DataFormat, Executor, OpenOptions, fs, open_data};
 use articula_core::source::RawClip;
 use articula_mutate::{Edit, Mutations};
 use articula_stream::ByteRanges;
+use articula_stream::description::Context;
 use proptest::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -290,5 +291,32 @@ fn hostile_manifests_and_bytes_end_in_values_or_errors() {
             }
             client.character().is_ok()
         });
+    }
+}
+
+#[test]
+fn a_client_decides_by_the_manifest_as_who_has_the_item_does() {
+    let options = AdaptOptions::default();
+    for item in [textured(), speaking()].into_iter().flatten() {
+        let client = receiver(item);
+        let mut outcomes = Vec::new();
+        for kbps in [20.0, 100.0, 300.0, 3000.0] {
+            let mut context = Context::default();
+            context.network.available_bps = Some(1e3 * kbps);
+            context.view.distance_m = Some(4.0);
+            context.terminal.codecs = ["ams", "abp2", "afp2"].map(str::to_owned).to_vec();
+            let decided = client.decide(&context, &options).unwrap();
+            assert_eq!(decided, decide(item, &context, &options).unwrap());
+            outcomes.push(decided.cut);
+        }
+        assert!(
+            outcomes[0].is_none() && outcomes[3].is_some(),
+            "{outcomes:?}"
+        );
+        let mut context = Context::default();
+        context.terminal.codecs = vec!["ams".to_owned()];
+        assert!(client.decide(&context, &options).unwrap().cut.is_none());
+        context.preferences.body_regions = Some(1);
+        assert!(client.decide(&context, &options).is_err());
     }
 }

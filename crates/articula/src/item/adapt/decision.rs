@@ -226,15 +226,22 @@ fn needs(item: &Item) -> Vec<String> {
     let mut needs: Vec<String> = Vec::new();
     for part in &item.manifest.parts {
         let stream = part.file.as_deref().and_then(|file| item.file(file));
-        let name = match (part.kind, stream.and_then(StreamKind::of)) {
-            (ItemKind::Texture, _) => continue,
-            (ItemKind::Mesh, _) => "ams".to_owned(),
-            (_, Some(StreamKind::Abp1)) => "abp1".to_owned(),
-            (_, Some(StreamKind::Abp2)) => "abp2".to_owned(),
-            (_, Some(StreamKind::Afp1)) => "afp1".to_owned(),
-            (_, Some(StreamKind::Afp2)) => "afp2".to_owned(),
-            (_, _) => continue,
+        let kind = stream.and_then(StreamKind::of);
+        let name = match (part.kind, kind, part.comes_whole()) {
+            (ItemKind::Texture, ..) => continue,
+            (ItemKind::Mesh, ..) => "ams",
+            (_, Some(StreamKind::Abp1), _) => "abp1",
+            (_, Some(StreamKind::Abp2), _) => "abp2",
+            (_, Some(StreamKind::Afp1), _) => "afp1",
+            (_, Some(StreamKind::Afp2), _) => "afp2",
+            (_, Some(_), _) => continue,
+            // Of a stream that is not here, the manifest tells whether its units are bytes.
+            (ItemKind::BodyMotion, None, true) => "abp1",
+            (ItemKind::BodyMotion, None, false) => "abp2",
+            (ItemKind::FaceMotion, None, true) => "afp1",
+            (ItemKind::FaceMotion, None, false) => "afp2",
         };
+        let name = name.to_owned();
         if !needs.contains(&name) {
             needs.push(name);
         }
