@@ -50,6 +50,7 @@ mod real;
 mod real_files;
 mod resampling_oracle;
 mod retargeting;
+mod serving;
 mod sizes;
 mod skinned_files;
 mod streams;

@@ -48,8 +48,8 @@ pub fn package(
 ///
 /// The first stage is the base, after a small part of the work: the figure, the coarsest mesh level, the
 /// coarsest tier of the first clip, and one small size of each texture. Then come all sizes of textures
-/// with the files that are carried whole, all of the first clip, all mesh levels, the other clips one by
-/// one, motions of the face, and in the end forms in 2D. A stage has the layers of the one before (of a
+/// with the files that are carried whole, all of the first clip, all mesh levels, the other clips, each time
+/// as many again, motions of the face, and in the end forms in 2D. A stage has the layers of the one before (of a
 /// texture its small size may be left out), and streams of which those of the one before are cuts.
 ///
 /// # Errors
@@ -108,7 +108,10 @@ fn packaged(
         draft.warnings.extend(mesh.warnings.iter().cloned());
     }
     while let Some(coded) = motions.next()? {
-        stages.take(&draft)?;
+        // As many clips again, so that a hundred make few stages.
+        if draft.motions.len().is_power_of_two() {
+            stages.take(&draft)?;
+        }
         (draft.motions).push(motions.part(coded, &mut draft.files, work)?);
     }
     draft.warnings.append(&mut motions.left_out);
