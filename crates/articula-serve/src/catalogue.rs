@@ -22,7 +22,7 @@ const LONGEST: usize = 100;
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "state", content = "why")]
 pub enum Progress {
-    /// It waits for the thread that packages.
+    /// It waits for a thread that packages.
     Waiting,
     /// It is being packaged; stages are served.
     Packaging,
@@ -41,10 +41,20 @@ pub struct CharacterState {
     pub(crate) served: Option<Served>,
 }
 
+/// A character that waited to be packaged.
+#[derive(Debug)]
+pub(crate) struct Waiting {
+    name: String,
+    pub(crate) file: PathBuf,
+    generation: u64,
+}
+
 /// A character of the folder.
 #[derive(Debug)]
 struct Character {
     file: PathBuf,
+    /// Raised with each file of this name.
+    generation: u64,
     state: watch::Sender<CharacterState>,
 }
 
@@ -151,17 +161,17 @@ impl Catalogue {
         match characters.get_mut(&name) {
             Some(known) => {
                 known.file = file;
+                known.generation += 1;
                 known.state.send_replace(state.clone());
             }
             None => {
                 let sender = watch::Sender::new(state.clone());
-                characters.insert(
-                    name.clone(),
-                    Character {
-                        file,
-                        state: sender,
-                    },
-                );
+                let character = Character {
+                    file,
+                    generation: 0,
+                    state: sender,
+                };
+                characters.insert(name.clone(), character);
             }
         }
         drop(characters);
@@ -175,18 +185,19 @@ impl Catalogue {
     }
 
     /// The next character to package; blocks until there is one, or `is_over`.
-    pub(crate) fn next(&self, is_over: impl Fn() -> bool) -> Option<(String, PathBuf)> {
+    pub(crate) fn next(&self, is_over: impl Fn() -> bool) -> Option<Waiting> {
         let mut queue = self.queue();
         loop {
             if is_over() {
                 return None;
             }
             if let Some(name) = queue.pop_front() {
-                let file = read_lock(&self.0.characters)
-                    .get(&name)
-                    .map(|c| c.file.clone());
-                if let Some(file) = file {
-                    return Some((name, file));
+                if let Some(character) = read_lock(&self.0.characters).get(&name) {
+                    return Some(Waiting {
+                        file: character.file.clone(),
+                        generation: character.generation,
+                        name,
+                    });
                 }
                 continue;
             }
@@ -208,9 +219,12 @@ impl Catalogue {
         self.0.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Sets how far a character is, and what of it is served, if that is news.
-    pub(crate) fn set(&self, name: &str, progress: Progress, served: Option<Served>) {
-        if let Some(character) = read_lock(&self.0.characters).get(name) {
+    /// Sets how far a character is, and what of it is served, if that is news; nothing, if it was replaced
+    /// since.
+    pub(crate) fn set(&self, of: &Waiting, progress: Progress, served: Option<Served>) {
+        let characters = read_lock(&self.0.characters);
+        let character = characters.get(&of.name);
+        if let Some(character) = character.filter(|c| c.generation == of.generation) {
             character.state.send_modify(|state| {
                 state.progress = progress;
                 state.served = served.or_else(|| state.served.take());

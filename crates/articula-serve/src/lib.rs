@@ -1,11 +1,11 @@
 //! Serves digital items over HTTP: a folder of characters becomes objects that never change, named by
 //! their BLAKE3, and manifests by which a client fetches what it can use, range by range.
 //!
-//! Form: `docs/formats/delivery.md`. A character file of the folder is packaged in stages by one thread;
-//! each stage is served as soon as it is made, and what was packaged is never packaged again.
+//! Form: `docs/formats/delivery.md`. A character file of the folder is packaged in stages by threads of
+//! its own; each stage is served as soon as it is made, and what was packaged is never packaged again.
 //!
 //! ```text
-//! folder ─ Catalogue::open ─▶ Catalogue ─ prepare (a thread) ─▶ stages: objects, manifest
+//! folder ─ Catalogue::open ─▶ Catalogue ─ Preparation (threads) ─▶ stages: objects, manifest
 //! Catalogue ─ router ─▶ axum::Router ─ serve ─▶ connections
 //! ```
 //!
@@ -13,7 +13,7 @@
 //! - `objects`: bytes by their hash, in a folder
 //! - `record`: what is known of a packaged source
 //! - `catalogue`: the characters of a folder, and the state of each
-//! - `prepare`: the thread that packages them
+//! - `prepare`: the threads that package them
 //! - `range`: parts of a body
 //! - `answer`: bodies with their tags
 //! - `metrics`, `page`: the state of the server for programs and people

@@ -14,6 +14,8 @@ pub struct ServeOptions {
     pub most_bytes: usize,
     /// Most requests that are answered at once; others get 503.
     pub most_requests: usize,
+    /// Number of characters that are packaged at once.
+    pub packaging: usize,
     /// How characters are opened.
     pub open: OpenOptions,
     /// How they are packaged.
@@ -21,13 +23,15 @@ pub struct ServeOptions {
 }
 
 impl Default for ServeOptions {
-    /// Characters of up to 256 MB, 512 requests at once, packaged as `articula package` does.
+    /// Characters of up to 256 MB, 512 requests at once, two characters packaged at once, as `articula
+    /// package` does.
     fn default() -> Self {
         Self {
             read_only: false,
             token: None,
             most_bytes: 256 << 20,
             most_requests: 512,
+            packaging: 2,
             open: OpenOptions::default(),
             package: PackageOptions::default(),
         }

@@ -1,6 +1,6 @@
-//! The thread that packages characters, stage by stage.
+//! The threads that package characters, stage by stage.
 
-use crate::catalogue::{Catalogue, Progress};
+use crate::catalogue::{Catalogue, Progress, Waiting};
 use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::record::{Served, read};
@@ -9,60 +9,62 @@ use articula::{Error, Executor, Job, Step, open};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-/// A thread that packages what waits in a catalogue.
+/// Threads that package what waits in a catalogue.
 #[derive(Debug)]
 pub struct Preparation {
     catalogue: Catalogue,
     is_over: Arc<AtomicBool>,
-    thread: JoinHandle<()>,
+    threads: Vec<JoinHandle<()>>,
 }
 
 impl Preparation {
-    /// Starts the thread. It packages one character after the other, each on all processors.
+    /// Starts the threads, as many as the options say. Each packages one character after the other, so that
+    /// a small one need not wait for a large one.
     pub fn start(catalogue: Catalogue) -> Self {
         let is_over = Arc::new(AtomicBool::new(false));
-        let (of_thread, over) = (catalogue.clone(), Arc::clone(&is_over));
-        let thread = std::thread::spawn(move || run(&of_thread, &over));
+        let start = |_| {
+            let (catalogue, is_over) = (catalogue.clone(), Arc::clone(&is_over));
+            std::thread::spawn(move || run(&catalogue, &is_over))
+        };
         Self {
+            threads: (0..catalogue.options().packaging).map(start).collect(),
             catalogue,
             is_over,
-            thread,
         }
     }
 
-    /// Stops the thread at the end of the step that it is in. What it had not finished is begun anew by
-    /// the next server on the folder.
+    /// Stops the threads at the end of the steps that they are in. What they had not finished is begun anew
+    /// by the next server on the folder.
     pub fn stop(self) {
         self.is_over.store(true, Ordering::Release);
         self.catalogue.wake();
-        // A panic of the thread has been told.
-        let _ = self.thread.join();
+        for thread in self.threads {
+            // A panic of the thread has been told.
+            let _ = thread.join();
+        }
     }
 }
 
 fn run(catalogue: &Catalogue, is_over: &AtomicBool) {
-    while let Some((name, file)) = catalogue.next(|| is_over.load(Ordering::Acquire)) {
-        catalogue.set(&name, Progress::Packaging, None);
+    while let Some(waiting) = catalogue.next(|| is_over.load(Ordering::Acquire)) {
+        catalogue.set(&waiting, Progress::Packaging, None);
         let metrics = catalogue.metrics();
         // One character must not end the thread for all others.
-        let made = catch_unwind(AssertUnwindSafe(|| {
-            packaged(catalogue, &name, &file, is_over)
-        }));
+        let made = catch_unwind(AssertUnwindSafe(|| packaged(catalogue, &waiting, is_over)));
         let made = made.unwrap_or_else(|_| Err(Error::Io("packaging it failed".into()).into()));
         match made {
             Ok(served) => {
                 Metrics::add(&metrics.packaged, 1);
-                catalogue.set(&name, Progress::Ready, Some(served));
+                catalogue.set(&waiting, Progress::Ready, Some(served));
             }
             Err(_) if is_over.load(Ordering::Acquire) => {}
             Err(error) => {
                 Metrics::add(&metrics.failed, 1);
-                catalogue.set(&name, Progress::Failed(error.to_string()), None);
+                catalogue.set(&waiting, Progress::Failed(error.to_string()), None);
             }
         }
     }
@@ -71,13 +73,16 @@ fn run(catalogue: &Catalogue, is_over: &AtomicBool) {
 /// Packages a character and serves its stages.
 fn packaged(
     catalogue: &Catalogue,
-    name: &str,
-    file: &Path,
+    waiting: &Waiting,
     is_over: &AtomicBool,
 ) -> Result<Served, ServeError> {
     let options = catalogue.options();
-    let source = read(file)?.unwrap_or_default();
-    let file_name = file.file_name().unwrap_or_default().to_string_lossy();
+    let source = read(&waiting.file)?.unwrap_or_default();
+    let file_name = waiting
+        .file
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
     let mut nothing = |_: &str| Err("a served character holds all its data".to_owned());
     let opened = open(&source, &file_name, &options.open, &mut nothing)?;
     let on_step = |_: Step| match is_over.load(Ordering::Acquire) {
@@ -93,7 +98,7 @@ fn packaged(
     let item = package_in_stages(opened, &options.package, &work, &mut |stage| {
         let served = stored(stage)?;
         Metrics::add(&catalogue.metrics().stages, 1);
-        catalogue.set(name, Progress::Packaging, Some(served));
+        catalogue.set(waiting, Progress::Packaging, Some(served));
         Ok(())
     })?;
     let served = stored(&item)?;
