@@ -11,6 +11,7 @@
 //! - [`bvh`]: Biovision hierarchical motion; read and write
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
 //! - [`x3d`]: H-Anim figures in X3D and VRML97; read both, write X3D
+//! - `fbx`, with the feature of that name: FBX characters and motions; read
 //! - [`joint_map`]: joint maps, from joint name to H-Anim joint, level and region
 //! - [`face_points`]: feature points of a face
 //! - [`live_link`]: face captures of Live Link Face as CSV; read and write
@@ -50,6 +51,8 @@ mod damage;
 mod error;
 mod euler;
 pub mod face_points;
+#[cfg(feature = "fbx")]
+pub mod fbx;
 pub mod gltf;
 pub mod joint_map;
 mod limits;

@@ -13,6 +13,8 @@ mod bva_files;
 mod bvh_files;
 mod captures;
 mod cases;
+#[cfg(feature = "fbx")]
+mod fbx;
 mod gltf;
 mod joint_map_characters;
 mod meshopt;
