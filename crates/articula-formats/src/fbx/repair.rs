@@ -23,6 +23,9 @@ const NUMBERED: u32 = 7000;
 /// First version whose objects stand in `Objects`.
 const OBJECTS: u32 = 6000;
 
+/// What is said of binary data.
+const BLOB: &str = "a property holds binary data, which is not read";
+
 /// A file that is ready to be read, and facts of it.
 #[derive(Debug)]
 pub(super) struct Repaired<'b> {
@@ -157,8 +160,7 @@ impl Search<'_, '_> {
             Level::Connection => self.connection(record),
             Level::Entry { of_settings } => self.entry(record, of_settings),
             Level::Blob => {
-                let what = "a property holds binary data, which is not read";
-                self.kinds.note(|| "properties".to_owned(), what);
+                self.kinds.note(|| "properties".to_owned(), BLOB);
                 self.edits.push(Edit::Byte(record.name.end - 1, b'_'));
             }
             _ => {}
@@ -230,12 +232,14 @@ impl Search<'_, '_> {
     }
 
     fn entry(&mut self, record: &Record<'_>, of_settings: bool) {
+        let name = record.values.first().and_then(|v| v.text(self.bytes));
+        let name = name.unwrap_or_default();
+        let at = || format!("property \"{}\"", String::from_utf8_lossy(name));
         for value in record.values {
             let range = match value {
                 Value::Text(range) => range,
                 Value::Raw { tag, bytes } => {
-                    let what = "a property holds binary data, which is not read";
-                    self.kinds.note(|| "properties".to_owned(), what);
+                    self.kinds.note(at, BLOB);
                     self.edits.push(Edit::Byte(*tag, b'S'));
                     bytes
                 }
@@ -246,12 +250,10 @@ impl Search<'_, '_> {
             }
             if matches!(value, Value::Text(_)) {
                 let what = "a property has letters beyond ASCII, read as _";
-                self.kinds.note(|| "properties".to_owned(), what);
+                self.kinds.note(at, what);
             }
             self.edits.push(Edit::Plain(range.clone()));
         }
-        let name = record.values.first().and_then(|v| v.text(self.bytes));
-        let name = name.unwrap_or_default();
         let numbers = || record.values.iter().filter_map(Value::number);
         if of_settings && name == b"UnitScaleFactor" {
             let centimetres = numbers().next_back();

@@ -5,12 +5,12 @@
 //! the one in which the clusters were bound: many files store the pose of their first frame instead.
 
 use super::reader::Reader;
-use super::scene::{Local, Scene};
+use super::scene::{Local, Node, Scene};
 use super::takes::Take;
 use crate::error::ReadError;
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{Transform, angle_between};
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
 
 /// Maximum difference of two bound transforms of a bone, in metres and of axes.
@@ -72,33 +72,18 @@ pub(super) fn bones(reader: &mut Reader<'_>, takes: &[Take]) -> Result<Bones, Re
             bones.joint_of_node[index] = parent;
             continue;
         }
-        let helper = helpers[index].filter(|h| bound.agreed.contains_key(h));
         let above = parent.map_or(DAffine3::IDENTITY, |p| bones.rest_world[p]);
-        let placed = bound.agreed.get(&helper.unwrap_or(index));
-        let owner = node.parent.filter(|_| node.is_helper);
-        let rest = match placed {
+        let helper = helpers[index].filter(|h| bound.agreed.contains_key(h));
+        let stored = finite(&node.local);
+        let rest = match bound.agreed.get(&helper.unwrap_or(index)) {
             Some(world) => {
-                let local = decomposed(&(above.inverse() * *world));
-                sheared += usize::from(local.is_none());
-                local
+                let rest = decomposed(&(above.inverse() * *world));
+                sheared += usize::from(rest.is_none());
+                let own = rest.map(|rest| own_part(rest, node, helper));
+                own.filter(|rest| !is_rounded(rest, &node.local))
             }
             None => None,
         };
-        let rest = rest.map(|local| match (helper, owner) {
-            // The scale is the helper's.
-            (Some(_), _) => Local {
-                scale: DVec3::ONE,
-                ..local
-            },
-            (None, Some(_)) => Local {
-                translation: DVec3::ZERO,
-                rotation: DQuat::IDENTITY,
-                ..local
-            },
-            (None, None) => local,
-        });
-        let rest = rest.filter(|rest| !is_rounded(rest, &node.local));
-        let stored = finite(&node.local);
         let rest = rest.map_or(stored, |rest| finite(&rest));
         mirrored += usize::from(rest.scale.min_element() < 0.0);
         bones.rest_world.push(above * exact(&rest));
@@ -148,6 +133,23 @@ fn helpers(scene: &Scene) -> Vec<Option<usize>> {
         }
     }
     helpers
+}
+
+/// The part of a bound transform that is a node's own: a helper has the scale of its node.
+fn own_part(whole: Local, node: &Node, helper: Option<usize>) -> Local {
+    if helper.is_some() {
+        return Local {
+            scale: DVec3::ONE,
+            ..whole
+        };
+    }
+    if node.is_helper {
+        return Local {
+            scale: whole.scale,
+            ..Local::IDENTITY
+        };
+    }
+    whole
 }
 
 struct Clusters {

@@ -114,6 +114,13 @@ impl Error {
         ))
     }
 
+    /// An [`Error::Unsupported`] about FBX.
+    #[cfg(not(feature = "fbx"))]
+    pub(crate) fn needs_fbx() -> Self {
+        let what = "FBX files need the feature `fbx`, without which articula was built";
+        Self::Unsupported(what.to_owned())
+    }
+
     /// An [`Error::Argument`].
     pub(crate) fn argument(what: impl Into<String>) -> Self {
         Self::Argument(what.into())

@@ -3,7 +3,7 @@
 //! **A new format is one variant, one row of [`ROWS`] and one opener in this folder.**
 
 use super::extension::extension;
-use super::{Opener, acclaim, bap, bva, bvh, document, streams, x3d};
+use super::{Opener, acclaim, bap, bva, bvh, document, fbx, streams, x3d};
 use serde::Serialize;
 
 /// A character file format.
@@ -18,6 +18,8 @@ pub enum Format {
     Vrm,
     /// VRM animation.
     Vrma,
+    /// Autodesk FBX, binary or text.
+    Fbx,
     /// Biovision hierarchical motion, BVH.
     Bvh,
     /// H-Anim in X3D, XML encoding.
@@ -87,6 +89,12 @@ const ROWS: &[Row] = &[
         name: "vrma",
         open: document::open,
         writes: WriteSupport::SameFormat,
+    },
+    Row {
+        format: Format::Fbx,
+        name: "fbx",
+        open: fbx::open,
+        writes: WriteSupport::Never,
     },
     Row {
         format: Format::Bvh,
@@ -191,6 +199,8 @@ impl Format {
             Some(Self::Abpt)
         } else if text.starts_with(b"{") {
             gltf(Self::Gltf)
+        } else if is_fbx(bytes, text) {
+            Some(Self::Fbx)
         } else if text.starts_with(b"HIERARCHY") {
             Some(Self::Bvh)
         } else if text.starts_with(b"Segment:") {
@@ -251,6 +261,16 @@ impl Format {
     }
 }
 
+/// Returns whether bytes begin like FBX; the comment at the start of its text encoding may be missing.
+fn is_fbx(bytes: &[u8], text: &[u8]) -> bool {
+    let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
+    let has = |bytes: &[u8], word: &[u8]| bytes.windows(word.len()).any(|w| w == word);
+    let near = &text[..text.len().min(2048)];
+    bytes.starts_with(b"Kaydara FBX Binary")
+        || line.starts_with(b";") && has(line, b"FBX")
+        || has(near, b"FBXHeaderExtension:")
+}
+
 /// Returns whether the bytes begin like an X3D document, or like a compressed one.
 fn is_x3d(start: &[u8]) -> bool {
     const PACKED: [&[u8]; 2] = [b"\x1f\x8b", b"\xe0\x00\x00\x01"];
@@ -300,6 +320,10 @@ mod tests {
         assert_eq!(of(b"glTF....", "a.VRM"), Some(Format::Vrm));
         assert_eq!(of(b" \n{\"asset\"", "a"), Some(Format::Gltf));
         assert_eq!(of(b"\xef\xbb\xbfHIERARCHY", "a.txt"), Some(Format::Bvh));
+        assert_eq!(of(b"Kaydara FBX Binary  \0", "a"), Some(Format::Fbx));
+        assert_eq!(of(b"; FBX 7.4.0 project file", "a"), Some(Format::Fbx));
+        assert_eq!(of(b"\nFBXHeaderExtension:  {", "a"), Some(Format::Fbx));
+        assert_eq!(of(b"; no such word", "a"), None);
         assert_eq!(of(b"", "a.bvh"), Some(Format::Bvh));
         assert_eq!(of(b"Segment: Hips", "a.txt"), Some(Format::Bva));
         let x3d = b"<?xml version='1.0'?>\n<X3D version='4.0'>";

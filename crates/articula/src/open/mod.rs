@@ -10,6 +10,8 @@ mod data_format;
 mod document;
 mod edits;
 mod extension;
+#[cfg(feature = "fbx")]
+mod fbx;
 mod fitted;
 mod format;
 mod human;
@@ -17,6 +19,8 @@ mod keep_meshes;
 mod motion;
 #[cfg(feature = "streams")]
 mod motion_stream;
+#[cfg(not(feature = "fbx"))]
+mod no_fbx;
 #[cfg(not(feature = "streams"))]
 mod no_streams;
 mod options;
@@ -36,6 +40,8 @@ pub use format::{Format, WriteSupport, conversions, readable};
 pub use human::reference_human;
 pub use options::OpenOptions;
 
+#[cfg(not(feature = "fbx"))]
+use no_fbx as fbx;
 #[cfg(not(feature = "streams"))]
 use no_streams as streams;
 

@@ -37,66 +37,29 @@ pub(super) fn bounds(bytes: u64, limits: &Limits) -> fbx_rs::Limits {
 /// What to do about a file that cannot be read.
 const AGAIN: &str = "export it again as FBX 2020 binary (7.7)";
 
-/// An error of the crate as one of ours.
+/// An error of the crate as one of ours; `at` is where the bytes follow no rule, if that is known.
 pub(super) fn read_error(error: fbx_rs::Error, at: &str, bounds: &fbx_rs::Limits) -> ReadError {
     use fbx_rs::Error as Fault;
-    let unsupported = |what: &str| ReadError::Unsupported {
-        at: at.to_owned(),
-        what: what.to_owned(),
-        mend: AGAIN.to_owned(),
-    };
-    let exceeded = |which, limit: usize| ReadError::LimitExceeded {
+    let exceeded = |(which, limit): (&'static str, usize)| ReadError::LimitExceeded {
         at: at.to_owned(),
         which,
         found: limit as u64 + 1,
         limit: limit as u64,
     };
     match error {
-        Fault::LimitExceeded(limit) => match limit {
-            Limit::Depth => exceeded("levels of records or more", bounds.max_depth),
-            Limit::Nodes => exceeded("records or more", bounds.max_nodes),
-            Limit::Properties => exceeded("values or more", bounds.max_properties),
-            Limit::ArrayElements => {
-                exceeded("numbers in arrays or more", bounds.max_array_elements)
-            }
-            Limit::StringLength => exceeded("bytes of a text or more", bounds.max_string_length),
-            Limit::Objects => exceeded("objects or more", bounds.max_objects),
-            Limit::AnimationKeys => exceeded("keys of a curve or more", bounds.max_animation_keys),
-            Limit::Connections => exceeded("connections or more", bounds.max_connections),
-            Limit::FaceVertices => {
-                exceeded("corners of a polygon or more", bounds.max_face_vertices)
-            }
-            Limit::TriangulationWork => exceeded(
-                "steps to cut a polygon or more",
-                bounds.max_triangulation_work,
-            ),
-            Limit::DeformerWork => {
-                exceeded("steps to bind skins or more", bounds.max_deformer_work)
-            }
-            Limit::AnimationWork => {
-                exceeded("steps to read curves or more", bounds.max_animation_work)
-            }
-            Limit::Meshes => exceeded("meshes or more", bounds.max_meshes),
-            Limit::Layers => exceeded("layers of meshes or more", bounds.max_layers),
-            _ => exceeded("bytes of memory or more", bounds.max_allocation),
-        },
+        Fault::LimitExceeded(limit) => exceeded(limited(limit, bounds)),
+        Fault::Allocation | Fault::ResourceLimit(_) => exceeded(limited(Limit::Allocation, bounds)),
         Fault::InputTooLarge { size, limit } => ReadError::LimitExceeded {
             at: at.to_owned(),
             which: "bytes",
             found: size as u64,
             limit: limit as u64,
         },
-        Fault::Allocation | Fault::ResourceLimit(_) => {
-            exceeded("bytes of memory or more", bounds.max_allocation)
-        }
         Fault::Parse(what) if what.contains("UnsupportedVersion") => {
-            let version = what
-                .chars()
-                .filter(char::is_ascii_digit)
-                .collect::<String>();
-            unsupported(&format!("version {version} of FBX"))
+            let version: String = what.chars().filter(char::is_ascii_digit).collect();
+            unsupported(at, format!("version {version} of FBX"))
         }
-        Fault::Convert(what) if what.contains("Unsupported") => unsupported(&format!("\"{what}\"")),
+        Fault::Convert(what) if what.contains("Unsupported") => unsupported(at, what),
         Fault::Parse(what) if what.contains("Truncated") => {
             ReadError::malformed(at, "the file ends within a record; get it again")
         }
@@ -104,7 +67,7 @@ pub(super) fn read_error(error: fbx_rs::Error, at: &str, bounds: &fbx_rs::Limits
             ReadError::malformed(at, "a compressed array is damaged; get the file again")
         }
         Fault::Parse(_) => {
-            let what = format!("the bytes follow no rule of FBX; {AGAIN}, or get it again");
+            let what = format!("the bytes are no record of FBX; get the file again, or {AGAIN}");
             ReadError::malformed(at, what)
         }
         other => {
@@ -114,10 +77,40 @@ pub(super) fn read_error(error: fbx_rs::Error, at: &str, bounds: &fbx_rs::Limits
                 .split_once('(')
                 .and_then(|(_, id)| id.strip_suffix(')'));
             let at = id.map_or_else(|| at.to_owned(), |id| format!("object {id}"));
-            ReadError::malformed(
-                at,
-                format!("the objects do not fit together ({what}); {AGAIN}"),
-            )
+            let what = format!("the objects do not fit together ({what}); {AGAIN}");
+            ReadError::malformed(at, what)
         }
+    }
+}
+
+fn unsupported(at: &str, what: String) -> ReadError {
+    ReadError::Unsupported {
+        at: at.to_owned(),
+        what,
+        mend: AGAIN.to_owned(),
+    }
+}
+
+/// What a limit of the crate counts, and its value.
+fn limited(limit: Limit, bounds: &fbx_rs::Limits) -> (&'static str, usize) {
+    match limit {
+        Limit::Depth => ("levels of records or more", bounds.max_depth),
+        Limit::Nodes => ("records or more", bounds.max_nodes),
+        Limit::Properties => ("values or more", bounds.max_properties),
+        Limit::ArrayElements => ("numbers in arrays or more", bounds.max_array_elements),
+        Limit::StringLength => ("bytes of a text or more", bounds.max_string_length),
+        Limit::Objects => ("objects or more", bounds.max_objects),
+        Limit::AnimationKeys => ("keys of a curve or more", bounds.max_animation_keys),
+        Limit::Connections => ("connections or more", bounds.max_connections),
+        Limit::FaceVertices => ("corners of a polygon or more", bounds.max_face_vertices),
+        Limit::TriangulationWork => (
+            "steps to cut a polygon or more",
+            bounds.max_triangulation_work,
+        ),
+        Limit::DeformerWork => ("steps to bind skins or more", bounds.max_deformer_work),
+        Limit::AnimationWork => ("steps to read curves or more", bounds.max_animation_work),
+        Limit::Meshes => ("meshes or more", bounds.max_meshes),
+        Limit::Layers => ("layers of meshes or more", bounds.max_layers),
+        _ => ("bytes of memory or more", bounds.max_allocation),
     }
 }

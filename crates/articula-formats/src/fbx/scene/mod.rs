@@ -34,6 +34,12 @@ pub(in crate::fbx) struct Local {
 }
 
 impl Local {
+    pub(in crate::fbx) const IDENTITY: Self = Self {
+        translation: DVec3::ZERO,
+        rotation: DQuat::IDENTITY,
+        scale: DVec3::ONE,
+    };
+
     pub(in crate::fbx) fn matrix(&self) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
