@@ -12,13 +12,15 @@ macro_rules! profile {
 }
 
 /// Narrow maps come before wide ones: on a tie the first wins.
-const FILES: [&str; 20] = [
+const FILES: [&str; 22] = [
     profile!("vrm-1"),
     profile!("vrm-0"),
     profile!("mixamo"),
     profile!("cmu-bvh"),
     profile!("cmu-asf"),
     profile!("mocap-hands"),
+    profile!("biped"),
+    profile!("character-creator"),
     profile!("unreal"),
     profile!("smpl"),
     profile!("smpl-x"),
