@@ -249,7 +249,7 @@ impl Search<'_, '_> {
                 continue;
             }
             if matches!(value, Value::Text(_)) {
-                let what = "a property has letters beyond ASCII, read as _";
+                let what = "a property has bytes beyond ASCII, read as _";
                 self.kinds.note(at, what);
             }
             self.edits.push(Edit::Plain(range.clone()));

@@ -29,8 +29,8 @@ pub(super) const STILL: f32 = 1e-6;
 /// Distance in metres of a node from the blend of two frames, half way between them, from which there are
 /// frames between them too.
 const OFF_METRES: f32 = 0.02;
-/// Places of these.
-const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+/// How often a frame is halved at most.
+const HALVES: i32 = 2;
 /// Turn in radians off that blend which is no motion, but an accident of angles that stand for one rotation.
 const ACCIDENT: f32 = 1.5;
 
@@ -150,8 +150,10 @@ fn sample(
         rows: Vec::new(),
     };
     player.play(&frames(span, keys, rate_hz), false)?;
-    let between = player.far_off(1.5 / rate_hz)?;
-    player.play(&between, true)?;
+    for halved in 0..HALVES {
+        let between = player.far_off(1.5 / rate_hz * 0.5_f64.powi(halved))?;
+        player.play(&between, true)?;
+    }
     let jumps = player.jumps(span.1);
     player.play(&jumps, true)?;
     let rows = rising(player.rows);
@@ -272,19 +274,21 @@ impl Player<'_> {
             .collect()
     }
 
-    /// Times between frames at most `gap` seconds apart whose blend is far off.
+    /// Times half way between frames at most `gap` seconds apart whose blend is far off.
     fn far_off(&mut self, gap: f64) -> Result<Vec<f64>, ReadError> {
         let mut times = Vec::new();
+        self.rows.sort_by(|a, b| a.secs.total_cmp(&b.secs));
         for next in 1..self.rows.len() {
             let [from, to] = [self.rows[next - 1].secs, self.rows[next].secs];
             if to - from > gap {
                 continue;
             }
             self.charge(1)?;
-            let true_locals = self.locals(&self.moment(0.5 * (from + to))?);
+            let half = 0.5 * (from + to);
+            let wanted = self.locals(&self.moment(half)?);
             let (a, b) = (&self.rows[next - 1].locals, &self.rows[next].locals);
-            if self.is_far_off(a, b, &true_locals) {
-                times.extend(BETWEEN.map(|share| from + share * (to - from)));
+            if self.is_far_off(a, b, &wanted) {
+                times.push(half);
             }
         }
         Ok(times)
