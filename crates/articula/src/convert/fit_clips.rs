@@ -8,7 +8,7 @@ use super::morphs;
 use super::same_joints::Twins;
 use super::same_names::Namesakes;
 use crate::error::{Context, Error, Result};
-use crate::open::{CharacterFile, ClipProvenance, FittedClip, NameTransfer, choose};
+use crate::open::{CharacterFile, ClipProvenance, FittedClip, Format, NameTransfer, choose};
 use crate::resampling::{ClipResampling, keyed_mm};
 use crate::work::Executor;
 use articula_build::retarget::{
@@ -16,7 +16,7 @@ use articula_build::retarget::{
 };
 use articula_build::{bake, sampling_rate_hz};
 use articula_core::JointArticulation;
-use articula_core::source::RawClip;
+use articula_core::source::{RawClip, Skeleton};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -163,9 +163,14 @@ pub fn fit_clips(
         articulation: &articulations.1,
         clips: &character.character().clips,
     };
+    // A motion in FBX has the pose of its first frame as its rest.
+    let is_posed = file.format() == Format::Fbx && file.character().meshes.is_empty();
+    let posed = || Twins::of_posed(from, &clips, onto);
     let is_hands = file.hands().is_some() && is_hands_alone(&from_figure);
     let way = if let Some(twins) = options.by_names.then(same).flatten() {
         Fitting::Names(twins)
+    } else if let Some(twins) = (options.by_names && is_posed).then(posed).flatten() {
+        Fitting::Posed(twins, from, onto)
     } else if is_hands && character.is_human() {
         Fitting::Hands(from_figure, onto_figure)
     } else if let Some(namesakes) = namesakes(file, character, &clips)? {
@@ -234,6 +239,7 @@ fn resampling(
 /// Method by which joints of a file drive those of the character.
 enum Fitting<'a> {
     Names(Twins),
+    Posed(Twins, &'a Skeleton, &'a Skeleton),
     Hands(RetargetFigure<'a>, RetargetFigure<'a>),
     Namesakes(Namesakes<'a>),
     Map(Box<Retargeter<'a>>),
@@ -261,6 +267,15 @@ impl Fitting<'_> {
                     name: String::new(),
                     duration_secs: clip.duration_secs,
                     channels: channels.collect(),
+                })
+            }
+            Self::Posed(twins, from, onto) => {
+                let mut channels = twins.held(from, clip, onto);
+                channels.extend(clip.channels.iter().filter_map(|c| twins.channel(c)));
+                moved(RawClip {
+                    name: String::new(),
+                    duration_secs: clip.duration_secs,
+                    channels,
                 })
             }
             Self::Namesakes(namesakes) => {

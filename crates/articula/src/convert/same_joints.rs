@@ -2,9 +2,11 @@
 //! pose.
 //!
 //! Only then can a clip be copied unchanged, since channels hold translations and rotations
-//! relative to the rest pose of their own skeleton.
+//! relative to the rest pose of their own skeleton. A motion without a skin may have any pose as its rest,
+//! such as its first frame; its joints are the same if those that hang from them are at the same places in
+//! their spaces, however they are turned ([`Twins::of_posed`]).
 
-use articula_core::source::{Channel, RawClip, Skeleton};
+use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton};
 use articula_core::{Transform, angle_between};
 use glam::{Affine3A, Vec3};
 use std::collections::{BTreeSet, HashMap};
@@ -18,6 +20,11 @@ const LENGTH: f32 = 0.01;
 const RADIANS: f32 = 0.02;
 /// Maximum relative difference of rest scales.
 const SCALE: f32 = 0.01;
+/// Differences of poses up to this size are rounding.
+const SAME_METRES: f32 = 1e-5;
+const SAME_RADIANS: f32 = 1e-5;
+/// Minimum number of joints that tell the spaces of those that they hang from.
+const TELLING: usize = 8;
 
 /// For each joint of one skeleton, the same joint of the other.
 #[derive(Debug)]
@@ -44,6 +51,76 @@ impl Twins {
             None => true,
         };
         moved.iter().all(same).then_some(Self(twins))
+    }
+
+    /// Matches the joints of a motion whose rest is some pose of a skeleton with the same joints.
+    pub(super) fn of_posed(from: &Skeleton, clips: &[&RawClip], onto: &Skeleton) -> Option<Self> {
+        let twins = named(from, onto);
+        let channels = clips.iter().flat_map(|c| &c.channels);
+        let of_joints = channels.filter(|c| c.property.is_of_joint());
+        let moved: BTreeSet<usize> = of_joints.clone().map(|c| c.target).collect();
+        let there = moved.iter().filter(|j| twins[**j].is_some()).count();
+        if (there as f32) < SHARE * moved.len() as f32 {
+            return None;
+        }
+        let travels = of_joints.filter(|c| c.property == Property::Translation);
+        let travelling: BTreeSet<usize> = travels.map(|c| c.target).collect();
+        let rests = Rests::new(from, onto);
+        let mut telling = 0;
+        for (joint, twin) in twins.iter().enumerate() {
+            let Some(twin) = *twin else {
+                continue;
+            };
+            let (a, b) = (&from.joints[joint], &onto.joints[twin]);
+            match (a.parent.map(|p| twins[p]), b.parent) {
+                (Some(Some(p)), Some(q)) if p == q => {
+                    let apart = a.rest.translation.distance(b.rest.translation);
+                    if apart > rests.far_metres && !travelling.contains(&joint) {
+                        return None;
+                    }
+                    telling += usize::from(b.rest.translation.length() > 2.0 * rests.far_metres);
+                }
+                (None, None) => {}
+                (None, Some(above)) if rests.is_origin(above) => {}
+                _ => return None,
+            }
+        }
+        (telling >= TELLING).then_some(Self(twins))
+    }
+
+    /// Channels that hold the rest pose where a clip does not move a joint.
+    pub(super) fn held(&self, from: &Skeleton, clip: &RawClip, onto: &Skeleton) -> Vec<Channel> {
+        let keyed: BTreeSet<(usize, bool)> = clip
+            .channels
+            .iter()
+            .filter(|c| matches!(c.property, Property::Translation | Property::Rotation))
+            .map(|c| (c.target, c.property == Property::Rotation))
+            .collect();
+        let mut held = Vec::new();
+        for (joint, twin) in self.0.iter().enumerate() {
+            let Some(twin) = *twin else {
+                continue;
+            };
+            let (a, b) = (from.joints[joint].rest, onto.joints[twin].rest);
+            let is_moved = a.translation.distance(b.translation) > SAME_METRES;
+            let is_turned = angle_between(a.rotation, b.rotation) > SAME_RADIANS;
+            let mut hold = |property, values: &[f32]| {
+                held.push(Channel {
+                    target: twin,
+                    property,
+                    interpolation: Interpolation::Linear,
+                    times_secs: vec![0.0],
+                    values: values.to_vec(),
+                });
+            };
+            if is_moved && !keyed.contains(&(joint, false)) {
+                hold(Property::Translation, &a.translation.to_array());
+            }
+            if is_turned && !keyed.contains(&(joint, true)) {
+                hold(Property::Rotation, &a.rotation.to_array());
+            }
+        }
+        held
     }
 
     /// Returns the channel for the other skeleton; `None` if it has no such joint or the channel
@@ -133,6 +210,12 @@ impl<'a> Rests<'a> {
         parents && self.alike(a.rest, b.rest)
     }
 
+    /// Whether the space of a joint of the other skeleton is that of the model.
+    fn is_origin(&self, joint: usize) -> bool {
+        let own = Transform::from_matrix(self.onto_model[joint].into());
+        own.is_some_and(|own| self.alike(own, Transform::IDENTITY))
+    }
+
     fn alike(&self, a: Transform, b: Transform) -> bool {
         a.translation.distance(b.translation) <= self.far_metres
             && angle_between(a.rotation, b.rotation) <= RADIANS
@@ -189,6 +272,30 @@ mod tests {
         let twins = Twins::of(&from, &[&clip], &onto).unwrap();
         assert_eq!(twins.0, [Some(1), Some(3), Some(4)]);
         assert_eq!(twins.channel(&clip.channels[2]).unwrap().target, 4);
+    }
+
+    #[test]
+    fn a_rest_that_is_a_pose_is_held_where_the_clip_moves_nothing() {
+        let chain: Vec<(String, Option<usize>, f32)> = (0..10_usize)
+            .map(|j| (format!("j{j}"), j.checked_sub(1), 0.2))
+            .collect();
+        let rows: Vec<(&str, Option<usize>, f32)> =
+            chain.iter().map(|(n, p, y)| (n.as_str(), *p, *y)).collect();
+        let onto = skeleton(&rows);
+        let mut from = onto.clone();
+        for joint in &mut from.joints {
+            joint.rest.rotation = glam::Quat::from_rotation_z(0.5);
+        }
+        let clip = turning(&[0, 1, 2]);
+        assert!(Twins::of(&from, &[&clip], &onto).is_none());
+        let twins = Twins::of_posed(&from, &[&clip], &onto).unwrap();
+        let held = twins.held(&from, &clip, &onto);
+        let targets: Vec<usize> = held.iter().map(|c| c.target).collect();
+        assert_eq!(targets, [3, 4, 5, 6, 7, 8, 9]);
+        assert!((held[0].values[2] - 0.25_f32.sin()).abs() < 1e-6);
+        // Of another shape, it is another skeleton.
+        from.joints[5].rest.translation = Vec3::X * 0.2;
+        assert!(Twins::of_posed(&from, &[&clip], &onto).is_none());
     }
 
     #[test]

@@ -24,6 +24,7 @@ mod crowd_vertices;
 mod face_errors;
 mod face_joints;
 mod faces;
+mod fbx;
 mod items;
 mod joint_schemes;
 mod kept_faces;
