@@ -208,8 +208,9 @@ fn frames((begin, end): (f64, f64), keys: (f64, f64), rate_hz: f64) -> Vec<f64> 
     // Within the limits, so the numbers are exact.
     let moving = (from as u64..=to as u64).map(|frame| frame as f64);
     let all = [0.0].into_iter().chain(moving).chain([last]);
-    let mut secs: Vec<f64> = all.map(|frame| frame / rate_hz).collect();
-    secs.push(end - begin);
+    let length = end - begin;
+    let mut secs: Vec<f64> = all.map(|frame| (frame / rate_hz).min(length)).collect();
+    secs.push(length);
     secs.dedup_by(|b, a| *b - *a < 0.1 * f64::from(JUMP_SECS));
     secs
 }

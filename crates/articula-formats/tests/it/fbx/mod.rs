@@ -1,7 +1,11 @@
 //! Tests of the reader of FBX: real files against the values of another reader, each repair by a small file, and
 //! hostile files.
 
+mod hostile;
+mod mutated;
+mod repairs;
 mod shipped;
+mod tiny;
 
 use articula_formats::fbx::{self, FbxFile};
 use articula_formats::{Limits, Parsed, ReadError, ReadOptions};
