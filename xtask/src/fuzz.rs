@@ -72,6 +72,7 @@ const SEEDS: &[Seeds] = &[
     documents("context"),
     documents("did"),
     seeds("fba", b"", &["fba"]),
+    seeds("fbx", b"", &["fbx"]),
     documents("gbsd"),
     seeds("gltf", b"", &["glb", "gltf", "vrm", "vrma"]),
     Seeds {

@@ -8,11 +8,12 @@ use crate::workspace::cargo;
 use anyhow::{Result, ensure};
 use std::collections::BTreeSet;
 
-/// Codecs, compressors and rasterisers, and the crates of the workspace that need them.
+/// Codecs, compressors, rasterisers and the reader of FBX, and the crates of the workspace that need them.
 const REFUSED: &[&str] = &[
     "articula-flat",
     "articula-stream",
     "brotli",
+    "fbx-rs",
     "flate2",
     "gif",
     "image-webp",

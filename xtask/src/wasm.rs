@@ -30,7 +30,7 @@ const LIBRARIES: &[&str] = &[
 
 /// Features with which the library is checked: none, for pages that only play, and each of its features alone;
 /// `item` needs all others.
-const FEATURES: &[&str] = &["", "prepare", "flat", "streams"];
+const FEATURES: &[&str] = &["", "prepare", "flat", "streams", "fbx"];
 
 /// Checks the libraries for WebAssembly, after installing the target.
 pub(crate) fn check() -> Result<Outcome> {

@@ -10,7 +10,7 @@ use std::str::FromStr;
 /// A character file and the meshes of it that are used.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct CharacterArgs {
-    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...)
+    /// Character file (.glb, .gltf, .vrm, .vrma, .fbx, .bvh, ...)
     pub(crate) file: PathBuf,
     /// Name of a mesh to leave out (repeatable)
     #[arg(long, value_name = "NAME")]

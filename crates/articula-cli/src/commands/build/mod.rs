@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `build`.
 #[derive(Debug, Args)]
 pub(crate) struct BuildArgs {
-    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh), files whose clips are added (any format with
+    /// Character file (.glb, .gltf, .vrm, .vrma, .fbx, .bvh), files whose clips are added (any format with
     /// clips), and the asset to write (.glb); with --check, the asset to check
     #[arg(value_name = "IN [MOTION]… OUT.glb", required = true)]
     paths: Vec<PathBuf>,

@@ -35,7 +35,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...), or folders of them; last the file to
+    /// Files to read (.glb, .gltf, .vrm, .vrma, .fbx, .bvh, ...), or folders of them; last the file to
     /// write, in the format of its extension (.glb, .vrm, .vrma, .bvh, ...), or a folder that receives
     /// one file for each input
     #[arg(value_name = "IN… OUT", required = true)]

@@ -15,7 +15,7 @@ const MAX_SCENE_BYTES: u64 = 512 << 20;
 /// The characters of a crowd.
 #[derive(Debug, Clone, Args)]
 pub(super) struct CastArgs {
-    /// Character files (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...), if the scene file names none; a
+    /// Character files (.glb, .gltf, .vrm, .vrma, .fbx, .bvh, ...), if the scene file names none; a
     /// scene file calls them by their names without the ending
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,

@@ -110,21 +110,33 @@ fn mutants_of_small_files() {
     }
 }
 
-/// Many mutants of the real files under the usual limits, in an optimised build: `cargo test --release -p
-/// articula-formats --test it fbx::mutated -- --ignored --nocapture` tells the slowest.
+/// Small files of the real ones, and all.
+const SMALL: [&str; 3] = [
+    "max_transformed_skin_7500_binary",
+    "maya_blend_inbetween_7500_binary",
+    "motionbuilder_sausage_rrss_7700_ascii",
+];
+const LARGE: [&str; 5] = [
+    "blender_279_sausage_7400_binary",
+    "maya_anim_layers_over_acc_orders_7500_binary",
+    "pab_run",
+    "q_robot",
+    "rocketbox_m01",
+];
+
+/// A few mutants of the real files under the usual limits; with `ARTICULA_FBX_MUTANTS`, so many of each, which
+/// says what the slowest took.
 #[test]
 #[allow(clippy::disallowed_methods, reason = "the test is about time")]
 fn mutants_of_real_files() {
     let Some(folder) = real::real_data() else {
         return;
     };
-    let tries = std::env::var("ARTICULA_FBX_MUTANTS").map_or(3, |n| n.parse().unwrap());
+    let told = std::env::var("ARTICULA_FBX_MUTANTS").ok();
+    let tries = told.as_ref().map_or(3, |n| n.parse().unwrap());
+    let large = LARGE.iter().filter(|_| told.is_some());
     let folder = folder.parent().unwrap().join("fbx");
-    for name in [
-        "max_transformed_skin_7500_binary",
-        "maya_blend_inbetween_7500_binary",
-        "motionbuilder_sausage_rrss_7700_ascii",
-    ] {
+    for name in SMALL.iter().chain(large) {
         let good = std::fs::read(folder.join(format!("{name}.fbx"))).unwrap();
         let mutations = if name.ends_with("ascii") {
             TEXT

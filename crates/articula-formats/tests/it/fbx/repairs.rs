@@ -2,6 +2,7 @@
 
 use super::read;
 use super::tiny::{Record, Value, ascii, at, binary, connection, figure, property, record, text};
+use crate::cases::case;
 use articula_core::source::Character;
 use articula_formats::ReadError;
 use glam::Vec3;
@@ -43,6 +44,12 @@ fn given(records: &mut [Record], entry: Record) {
     model
         .records
         .push(record("Properties70", vec![], vec![entry]));
+}
+
+#[test]
+fn the_small_file_of_the_cases_is_the_figure() {
+    // It is a seed of fuzzing.
+    assert_eq!(case("two_bones.fbx"), ascii(&figure()));
 }
 
 #[test]

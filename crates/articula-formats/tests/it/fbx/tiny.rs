@@ -88,6 +88,27 @@ fn cluster(id: i64, points: &[i32], bound: [f64; 3]) -> Record {
     )
 }
 
+/// The connections of the figure.
+fn connections() -> Vec<Record> {
+    vec![
+        connection("OO", 1, 0, None),
+        connection("OO", 2, 0, None),
+        connection("OO", 3, 2, None),
+        connection("OO", 4, 2, None),
+        connection("OO", 5, 3, None),
+        connection("OO", 10, 1, None),
+        connection("OO", 20, 10, None),
+        connection("OO", 21, 20, None),
+        connection("OO", 22, 20, None),
+        connection("OO", 2, 21, None),
+        connection("OO", 3, 22, None),
+        connection("OO", 31, 30, None),
+        connection("OO", 32, 31, None),
+        connection("OP", 32, 3, Some("Lcl Rotation")),
+        connection("OP", 33, 32, Some("d|Z")),
+    ]
+}
+
 /// Two bones with a skin over two triangles and a take of a second that turns the upper one; the stored pose is
 /// 10 cm beside the bound one.
 pub(super) fn figure() -> Vec<Record> {
@@ -145,23 +166,6 @@ pub(super) fn figure() -> Vec<Record> {
         object("AnimationCurveNode", 32, "R", "AnimCurveNode", ""),
         curve,
     ];
-    let connections = vec![
-        connection("OO", 1, 0, None),
-        connection("OO", 2, 0, None),
-        connection("OO", 3, 2, None),
-        connection("OO", 4, 2, None),
-        connection("OO", 5, 3, None),
-        connection("OO", 10, 1, None),
-        connection("OO", 20, 10, None),
-        connection("OO", 21, 20, None),
-        connection("OO", 22, 20, None),
-        connection("OO", 2, 21, None),
-        connection("OO", 3, 22, None),
-        connection("OO", 31, 30, None),
-        connection("OO", 32, 31, None),
-        connection("OP", 32, 3, Some("Lcl Rotation")),
-        connection("OP", 33, 32, Some("d|Z")),
-    ];
     let settings = vec![
         property("UnitScaleFactor", "double", &[1.0]),
         record(
@@ -179,7 +183,7 @@ pub(super) fn figure() -> Vec<Record> {
     vec![
         record("GlobalSettings", vec![], vec![properties(settings)]),
         record("Objects", vec![], objects),
-        record("Connections", vec![], connections),
+        record("Connections", vec![], connections()),
     ]
 }
 
