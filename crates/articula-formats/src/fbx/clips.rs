@@ -1,8 +1,8 @@
 //! Clips of takes: channels of joints and of morph targets.
 
-use super::reader::Reader;
 use super::shapes;
 use super::skeleton::{Bones, differing};
+use super::source::Reader;
 use super::surface::Shown;
 use super::takes::{Frame, STILL, Take, place};
 use crate::error::ReadError;

@@ -3,9 +3,9 @@
 //! A cluster is a bone, the matrix from the mesh to it when it was bound, and weights of control points. A point
 //! without a weight follows the node of its mesh.
 
-use super::reader::Reader;
 use super::scene::Skin as Source;
 use super::skeleton::Bones;
+use super::source::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::source::{Primitive, Skin};

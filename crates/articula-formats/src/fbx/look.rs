@@ -3,8 +3,8 @@
 //! A picture takes the place of the colour. Colours are linear.
 
 use super::kinds::Kinds;
-use super::reader::Reader;
 use super::scene::Texture;
+use super::source::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::{Resolver, uri};

@@ -3,7 +3,7 @@
 //! [`read`] returns the character or the motion of a file. The modules, in the order in which data passes through
 //! them:
 //!
-//! - `records`, `binary`, `ascii`: the records of both encodings
+//! - `records`, `binary`, `ascii`, `walk`: the records of both encodings
 //! - `repair`: what is mended before the crate `fbx-rs` reads the bytes
 //! - `scene`: nodes, meshes, materials and takes, by that crate
 //! - `takes`: animations at frames
@@ -11,7 +11,7 @@
 //! - `surface`, `influences`, `shapes`: meshes, skins and blend shapes
 //! - `look`: colours and pictures
 //! - `clips`: from takes to clips
-//! - `kinds`: warnings
+//! - `source`, `kinds`: what is read, within its limits, and warnings
 //! - `reader`: the whole file
 //!
 //! See `docs/formats/fbx.md`.
@@ -28,7 +28,9 @@ mod repair;
 mod scene;
 mod shapes;
 mod skeleton;
+mod source;
 mod surface;
 mod takes;
+mod walk;
 
 pub use reader::{FbxFile, read};

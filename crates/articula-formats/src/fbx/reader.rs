@@ -4,6 +4,7 @@ use super::kinds::Kinds;
 use super::look::Looks;
 use super::repair::repair;
 use super::scene::Scene;
+use super::source::Reader;
 use super::{clips, skeleton, surface, takes};
 use crate::Resolver;
 use crate::error::{Parsed, ReadError};
@@ -76,13 +77,8 @@ pub fn read(
         .odd
         .map_or_else(|| "file".to_owned(), |place| place.to_string());
     let scene = Scene::load(&repaired.bytes, limits, &at)?;
-    let mut reader = Reader {
-        scene: &scene,
-        limits,
-        kinds,
-        spent: 0,
-    };
-    reader.tell();
+    let mut reader = Reader::new(&scene, limits, kinds);
+    tell(&mut reader);
     let takes = takes::sampled(&mut reader)?;
     let bones = skeleton::bones(&mut reader, &takes)?;
     let mut looks = Looks::new(resolver, stem);
@@ -116,32 +112,16 @@ pub fn read(
     })
 }
 
-/// The scene that is being read, what it may cost, and what was odd about it.
-pub(super) struct Reader<'s> {
-    pub(super) scene: &'s Scene,
-    pub(super) limits: &'s Limits,
-    pub(super) kinds: Kinds,
-    spent: u64,
-}
-
-impl Reader<'_> {
-    /// Charges numbers before they are allocated.
-    pub(super) fn charge(&mut self, at: &str, numbers: usize) -> Result<(), ReadError> {
-        self.spent = self.spent.saturating_add(numbers as u64);
-        Limits::check(at, "numbers in arrays", self.spent, self.limits.elements)
+/// Notes what is not read.
+fn tell(reader: &mut Reader<'_>) {
+    let place = || "scene".to_owned();
+    let (scene, kinds) = (reader.scene, &mut reader.kinds);
+    for what in scene.left_out() {
+        kinds.note(place, what);
     }
-
-    /// Notes what is not read.
-    fn tell(&mut self) {
-        let scene = || "scene".to_owned();
-        for what in self.scene.left_out() {
-            self.kinds.note(scene, what);
-        }
-        let [cameras, lights] = self.scene.cameras_and_lights();
-        self.kinds.note_all(scene, "a camera is not read", cameras);
-        self.kinds.note_all(scene, "a light is not read", lights);
-        let faults = self.scene.faults();
-        let what = "a mesh or a material cannot be read whole; what can be is";
-        self.kinds.note_all(scene, what, faults);
-    }
+    let [cameras, lights] = scene.cameras_and_lights();
+    kinds.note_all(place, "a camera is not read", cameras);
+    kinds.note_all(place, "a light is not read", lights);
+    let what = "a mesh or a material cannot be read whole; what can be is";
+    kinds.note_all(place, what, scene.faults());
 }

@@ -4,7 +4,6 @@
 //! before the records within it, and ends where the bytes follow no rule: the crate that reads them then says
 //! what is wrong, and the walk says where.
 
-use super::{ascii, binary};
 use std::ops::Range;
 
 /// Signature of the binary encoding, followed by 0x1A, 0 and the byte order.
@@ -130,21 +129,6 @@ impl std::fmt::Display for Place {
 /// Whether bytes begin like those of the binary encoding.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(BINARY)
-}
-
-/// Visits the records of a file, of at most `depth` levels; returns where it ended if that is not the end.
-pub(super) fn walk(
-    bytes: &[u8],
-    depth: usize,
-    visit: &mut dyn FnMut(&Record<'_>),
-) -> Option<Place> {
-    match is_binary(bytes) {
-        true => binary::walk(bytes, depth, visit).map(Place::Byte),
-        false => ascii::walk(bytes, depth, visit).map(|at| {
-            let before = bytes.get(..at).unwrap_or(bytes);
-            Place::Line(1 + before.iter().filter(|b| **b == b'\n').count())
-        }),
-    }
 }
 
 /// The version that the file states, times 1000: 7400 for 7.4.

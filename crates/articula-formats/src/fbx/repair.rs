@@ -13,6 +13,7 @@
 
 use super::kinds::Kinds;
 use super::records::{self, Level, Place, Record, Value};
+use super::walk::walk;
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -53,7 +54,7 @@ pub(super) fn repair<'b>(bytes: &'b [u8], depth: usize, kinds: &mut Kinds) -> Re
         unit_metres: None,
         geometric: HashSet::new(),
     };
-    let odd = records::walk(bytes, depth, &mut |record| search.visit(record));
+    let odd = walk(bytes, depth, &mut |record| search.visit(record));
     search.close_mesh();
     if version.is_none_or(|v| v >= OBJECTS) {
         search.connect();

@@ -4,7 +4,7 @@
 //! A channel has an amount; between none and its targets the effect is linear in pieces, and goes on beyond the
 //! last.
 
-use super::reader::Reader;
+use super::source::Reader;
 use crate::error::ReadError;
 use articula_core::source::{MorphTarget, Primitive};
 use glam::{DAffine3, DVec3, Vec3};

@@ -4,8 +4,8 @@
 //! above one that moves. Nodes above a joint, with a mesh, or that move are kept beside them. The rest pose is
 //! the one in which the clusters were bound: many files store the pose of their first frame instead.
 
-use super::reader::Reader;
 use super::scene::{Local, Node, Scene};
+use super::source::Reader;
 use super::takes::Take;
 use crate::error::ReadError;
 use articula_core::source::{Joint, Skeleton};
@@ -67,7 +67,7 @@ pub(super) fn bones(reader: &mut Reader<'_>, takes: &[Take]) -> Result<Bones, Re
             continue;
         }
         let acts = |take: &Take| !take.tracks[index].is_identity();
-        let is_idle = transform(&node.local) == Transform::IDENTITY && !takes.iter().any(acts);
+        let is_idle = node.local.transform() == Transform::IDENTITY && !takes.iter().any(acts);
         if node.is_helper && is_idle {
             bones.joint_of_node[index] = parent;
             continue;
@@ -263,17 +263,8 @@ pub(super) fn differing(a: &Transform, b: &Transform) -> [bool; 3] {
     ]
 }
 
-/// The transform of the crate in ours.
-pub(super) fn transform(local: &Local) -> Transform {
-    Transform {
-        translation: local.translation.as_vec3(),
-        rotation: local.rotation.normalize().as_quat(),
-        scale: local.scale.as_vec3(),
-    }
-}
-
 fn finite(local: &Local) -> Transform {
-    let made = transform(local);
+    let made = local.transform();
     match made.is_finite() {
         true => made,
         false => Transform::IDENTITY,

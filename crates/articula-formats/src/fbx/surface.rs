@@ -2,10 +2,10 @@
 
 use super::influences::{self, Influences};
 use super::look::Looks;
-use super::reader::Reader;
 use super::scene::Mesh;
 use super::shapes::{self, Target};
 use super::skeleton::{Bones, named};
+use super::source::Reader;
 use crate::error::ReadError;
 use articula_core::source::{Primitive, RawMesh, Skin};
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};

@@ -3,9 +3,8 @@
 //! Curves of Euler angles are evaluated, never blended over more than a frame. A constant curve changes within
 //! [`JUMP_SECS`].
 
-use super::reader::Reader;
 use super::scene::{Moment, Scene, Stack};
-use super::skeleton::transform;
+use super::source::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::source::JUMP_SECS;
@@ -268,7 +267,7 @@ impl Player<'_> {
         let nodes = self.scene.nodes.iter().enumerate();
         nodes
             .map(|(index, node)| {
-                let both = [moment.local(index), node.local].map(|l| transform(&l));
+                let both = [moment.local(index), node.local].map(|l| l.transform());
                 let known = both.into_iter().find(Transform::is_finite);
                 known.unwrap_or_default()
             })

@@ -15,6 +15,7 @@ pub(super) use stacks::{Moment, Stack};
 
 use crate::error::ReadError;
 use crate::limits::Limits;
+use articula_core::Transform;
 use faults::{bounds, read_error};
 use fbx_rs::LoadOptions;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -42,6 +43,15 @@ impl Local {
 
     pub(in crate::fbx) fn matrix(&self) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+
+    /// The transform in single precision.
+    pub(in crate::fbx) fn transform(&self) -> Transform {
+        Transform {
+            translation: self.translation.as_vec3(),
+            rotation: self.rotation.normalize().as_quat(),
+            scale: self.scale.as_vec3(),
+        }
     }
 
     fn of(t: &fbx_rs::Transform) -> Self {
