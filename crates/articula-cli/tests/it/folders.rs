@@ -106,7 +106,7 @@ fn wrong_usage_of_folders_says_what_would_be_right() {
         let line = fault(&here, 2, words);
         assert!(line.contains(mend), "{words:?}: {line}");
     }
-    let ran = articula(&here, &["convert", "clips", "out", "--to", "fbx"]);
+    let ran = articula(&here, &["convert", "clips", "out", "--to", "dae"]);
     assert_eq!(ran.status, 2);
     assert!(
         ran.err.contains("supported conversions: glb"),

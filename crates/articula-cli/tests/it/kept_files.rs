@@ -391,7 +391,7 @@ fn forty_wrong_inputs_end_in_one_line_and_change_no_file() {
         check(&["build", name, "new.glb"], name);
     }
     check(&["convert", "gone.glb", "new.glb"], "gone.glb");
-    check(&["convert", "a.glb", "new.fbx"], "new.fbx");
+    check(&["convert", "a.glb", "new.dae"], "new.dae");
     check(&["convert", "a.glb", "m.bvh/"], "m.bvh");
     check(
         &["convert", "m.bvh", "new.glb", "--onto", "gone.glb"],

@@ -23,6 +23,7 @@ mod crowd;
 mod face_shapes;
 mod faces;
 mod fba_oracle;
+mod fbx;
 mod flatten;
 mod flatten_browser;
 mod flatten_judged;
