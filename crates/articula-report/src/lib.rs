@@ -15,6 +15,7 @@
 //!   next to the original clip
 //! - [`lines_by_distance`], [`lines_by_method`]: the lines of such a sheet; [`gain_plot`], [`error_plot`],
 //!   [`updates_plot`], [`cost_plots`], [`path_plots`], [`schedule_plots`]: the same as plots
+//! - [`trace_plot`]: an item played over a trace of bandwidth
 //! - [`demo`]: all steps on one character, with a page
 //! - [`thread_ns`], [`nanoseconds`], [`FRAME_CLOCKS`]: processor and wall-clock time
 //! - [`evenly_spaced_frames`]: the frames of a clip that a sheet shows
@@ -54,6 +55,7 @@ mod plot;
 mod scene_picture;
 mod shape_sheet;
 mod skeleton;
+mod trace_plots;
 
 pub use artist::{Artist, close_up, evenly_spaced_frames};
 pub use clocks::{FRAME_CLOCKS, nanoseconds, thread_ns};
@@ -72,3 +74,4 @@ pub use plot::{
 };
 pub use scene_picture::scene_picture;
 pub use skeleton::{JointMark, draw_skeleton, influencing_joints};
+pub use trace_plots::trace_plot;

@@ -190,3 +190,60 @@ fn contexts_tables_and_descriptions_are_read_and_written() {
     let why = fault(&here, 1, &["adapt", "robot", "--context", "bad.xml"]);
     assert!(why.contains("bad.xml"), "{why}");
 }
+
+#[test]
+fn an_item_is_played_over_a_trace() {
+    let here = folder("adaptation-trace");
+    if !item(&here) {
+        return;
+    }
+    std::fs::write(here.join("slow.csv"), "# s, bit/s\n0 24000\n5 96000\n").unwrap();
+    let words = [
+        "adapt",
+        "robot",
+        "--trace",
+        "slow.csv",
+        "--play",
+        "secs=10,clip=2,sample=0.5",
+    ];
+    let played = json(&here, &[&words[..], &["--plot", "slow.svg"]].concat());
+    let playbacks = played["playbacks"].as_array().unwrap();
+    let names: Vec<&str> = playbacks
+        .iter()
+        .map(|p| p["policy"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["joint", "thesis", "rate", "buffer"]);
+    let number = |p: &serde_json::Value, key: &str| p[key].as_f64().unwrap();
+    let (ours, thesis) = (&playbacks[0], &playbacks[1]);
+    assert!(number(ours, "stalls") <= number(thesis, "stalls"));
+    assert!(number(ours, "mean_error_px") < number(thesis, "mean_error_px"));
+    assert_eq!(ours["samples"].as_array().unwrap().len(), 21);
+    let svg = std::fs::read_to_string(here.join("slow.svg")).unwrap();
+    assert!(svg.contains("ratio of the thesis") && svg.matches("<svg ").count() == 5);
+    let text = articula(&here, &words).out;
+    assert!(
+        text.contains("joint choice, over time") && text.contains("nothing yet"),
+        "{text}"
+    );
+    // What cannot be.
+    std::fs::write(here.join("bad.csv"), "0 1\n0 2\n").unwrap();
+    let why = fault(&here, 1, &["adapt", "robot", "--trace", "bad.csv"]);
+    assert!(
+        why.contains("bad.csv: line 2: 0 s does not come after"),
+        "{why}"
+    );
+    let why = fault(&here, 2, &["adapt", "robot", "out", "--trace", "slow.csv"]);
+    assert!(why.contains("--trace"), "{why}");
+    let why = fault(
+        &here,
+        2,
+        &["adapt", "robot", "--trace", "slow.csv", "--play", "secs=0"],
+    );
+    assert!(why.contains("secs: expected a number above 0"), "{why}");
+    let why = fault(
+        &here,
+        2,
+        &["adapt", "robot", "--trace", "slow.csv", "--plot", "x.png"],
+    );
+    assert!(why.contains("name a .svg file"), "{why}");
+}

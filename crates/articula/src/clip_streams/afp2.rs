@@ -7,6 +7,8 @@ use crate::error::Result;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_stream::abp2::EncodedMotion;
 use articula_stream::afp2::Afp2Options;
+#[cfg(feature = "item")]
+use articula_stream::afp2::FaceReceiver;
 use articula_stream::{FaceReadOptions, StreamLimits};
 
 /// Encodes a FAP clip as an AFP-2 stream; numbers of frames that are missing hold the frame before.
@@ -32,4 +34,10 @@ pub fn write(clip: &FapClip, options: &Afp2Options) -> Result<EncodedMotion> {
 pub fn read(bytes: &[u8], options: &FaceReadOptions, limits: &StreamLimits) -> Result<FapClip> {
     let read = articula_stream::afp2::read(bytes, options, limits)?;
     Ok(fap_clip(read))
+}
+
+/// What a receiver has, as a FAP clip.
+#[cfg(feature = "item")]
+pub(crate) fn received(receiver: &FaceReceiver) -> Result<FapClip> {
+    Ok(fap_clip(receiver.decoded()?))
 }

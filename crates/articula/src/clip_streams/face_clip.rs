@@ -48,7 +48,7 @@ pub(super) fn face_clip(clip: &FapClip, stream: &str) -> Result<FaceClip> {
 
 /// Returns a decoded stream as a FAP clip. Its masks have the parameters that the stream has, and
 /// those that copy them and move.
-pub(crate) fn fap_clip(read: DecodedFace) -> FapClip {
+pub(super) fn fap_clip(read: DecodedFace) -> FapClip {
     let frames = read.clip.frames.iter().zip(0..);
     let mut clip = FapClip {
         name: read.clip.name,

@@ -17,7 +17,7 @@ pub mod abp2;
 mod access_units;
 pub mod afp1;
 pub mod afp2;
-pub(crate) mod face_clip;
+mod face_clip;
 mod face_frame;
 pub mod fba;
 pub mod mp4;

@@ -11,6 +11,7 @@
 //! Item ─ assemble ─▶ CharacterFile: what the item holds, whole or cut
 //! Manifest, ItemCut ─ ItemReceiver::missing ─▶ ItemBytes to fetch ─ ItemReceiver::receive ─▶ ItemReceiver
 //! ItemReceiver ─ ItemReceiver::character ─▶ CharacterFile: what has arrived
+//! Item, Context ─ TracePlayer::new, TracePlayer::play ─▶ TracePlayback: what a client shows over time
 //! ```
 //!
 //! In the order of the work:
@@ -28,6 +29,7 @@
 //! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
 //! - `decoded_mesh`, `shown`, `assemble`: from an item to a character
 //! - `wanted`, `pieces`, `receiver`: the same while its bytes arrive, in any order
+//! - `trace`: an item played over a recorded bandwidth
 //!
 //! ```no_run
 //! use articula::item::{PackageOptions, PartKind, assemble, package};
@@ -74,6 +76,7 @@ mod rounding;
 mod sent;
 mod shown;
 mod texture_part;
+mod trace;
 mod wanted;
 
 pub use adapt::{
@@ -90,4 +93,5 @@ pub use package::{StageCallback, package, package_in_stages};
 pub use part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry, TextureView};
 pub use receiver::{ItemChange, ItemReceiver};
 pub use sent::{FileEntry, compressed};
+pub use trace::{TraceOptions, TracePlayback, TracePlayer, TracePolicy, TraceSample};
 pub use wanted::ItemBytes;

@@ -11,8 +11,7 @@ use super::pieces::Pieces;
 use super::shown::{Shown, ShownFigure};
 use super::wanted::ItemBytes;
 use crate::clip_streams::abp2::is_of_rig;
-use crate::clip_streams::face_clip::fap_clip;
-use crate::clip_streams::stream_limits;
+use crate::clip_streams::{afp2, stream_limits};
 use crate::error::{Context as _, Error, Result};
 use crate::open::{CharacterFile, OpenOptions};
 use articula_core::{Clip, Rig};
@@ -379,7 +378,7 @@ impl ItemReceiver {
             return faps(self.file(of_part.file.as_deref()?)?, &self.limits).ok();
         }
         match self.streams.get(&part)? {
-            Stream::Face(receiver) => receiver.decoded().ok().map(fap_clip),
+            Stream::Face(receiver) => afp2::received(receiver).ok(),
             Stream::Motion(_) | Stream::Mesh(_) => None,
         }
     }

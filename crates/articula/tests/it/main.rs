@@ -31,6 +31,7 @@ mod kept_faces;
 mod keys;
 mod mesh_levels;
 mod mp4;
+mod played_traces;
 mod prepared;
 mod promised_errors;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]

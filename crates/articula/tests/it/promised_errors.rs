@@ -36,7 +36,7 @@ fn made(name: &str, clips: &[&str]) -> Option<(Figure, Item)> {
 }
 
 /// A robot with two clips; `None` without the file.
-fn robot() -> Option<&'static (Figure, Item)> {
+pub(crate) fn robot() -> Option<&'static (Figure, Item)> {
     static MADE: OnceLock<Option<(Figure, Item)>> = OnceLock::new();
     let clips = ["Robot_Walking", "Robot_Jump"];
     MADE.get_or_init(|| made("glb/RobotExpressive.glb", &clips))
@@ -44,7 +44,7 @@ fn robot() -> Option<&'static (Figure, Item)> {
 }
 
 /// A man with a texture.
-fn man() -> Option<&'static (Figure, Item)> {
+pub(crate) fn man() -> Option<&'static (Figure, Item)> {
     static MADE: OnceLock<Option<(Figure, Item)>> = OnceLock::new();
     MADE.get_or_init(|| made("glb/CesiumMan.glb", &[])).as_ref()
 }
@@ -75,26 +75,49 @@ fn from_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     }
 }
 
-/// Greatest distance of points of the true skin from the shown one, over all clips that are sent.
+/// A character, and what is shown of it.
+pub(crate) struct Judged<'a> {
+    original: &'a Figure,
+    shown: Figure,
+}
+
+impl<'a> Judged<'a> {
+    pub(crate) fn new(original: &'a Figure, item: &Item) -> Self {
+        let shown = assemble(item, &OpenOptions::default()).unwrap();
+        Self {
+            original,
+            shown: Figure::new(shown).unwrap(),
+        }
+    }
+
+    /// Greatest distance of points of the true skin from the shown one, at a time of a clip.
+    pub(crate) fn shown_m(&self, clip: &str, secs: f64) -> f64 {
+        let (a, b) = (&self.original.asset, &self.shown.asset);
+        let find = |clips: &[Clip]| clips.iter().position(|c| c.name == clip).unwrap();
+        let right = posed(&a.rig, &a.mesh, &a.clips[find(&a.clips)], secs);
+        let is = posed(&b.rig, &b.mesh, &b.clips[find(&b.clips)], secs);
+        let used = a.mesh.triangles.iter().flatten();
+        let every = a.mesh.triangles.len() * 3 / POINTS;
+        let distances = used.step_by(every.max(1)).map(|vertex| {
+            let point = right[*vertex as usize];
+            let corners = b.mesh.triangles.iter().map(|t| t.map(|v| is[v as usize]));
+            let near = corners.map(|triangle| from_triangle(point, triangle));
+            near.fold(f64::INFINITY, f64::min)
+        });
+        distances.fold(0.0, f64::max)
+    }
+}
+
+/// The same over all clips that are sent.
 fn shown_m(original: &Figure, item: &Item) -> f64 {
-    let shown = Figure::new(assemble(item, &OpenOptions::default()).unwrap()).unwrap();
-    let (a, b) = (&original.asset, &shown.asset);
+    let judged = Judged::new(original, item);
     let mut most = 0.0_f64;
-    for clip in &b.clips {
-        let truth = a.clips.iter().find(|truth| truth.name == clip.name);
-        let truth = truth.unwrap();
+    for clip in &judged.shown.asset.clips {
+        let clips = original.asset.clips.iter();
+        let truth = clips.clone().find(|truth| truth.name == clip.name).unwrap();
         for frame in 0..FRAMES {
             let secs = f64::from(truth.duration_secs()) * frame as f64 / (FRAMES - 1) as f64;
-            let right = posed(&a.rig, &a.mesh, truth, secs);
-            let is = posed(&b.rig, &b.mesh, clip, secs);
-            let used = a.mesh.triangles.iter().flatten();
-            let every = a.mesh.triangles.len() * 3 / POINTS;
-            for vertex in used.step_by(every.max(1)) {
-                let point = right[*vertex as usize];
-                let corners = b.mesh.triangles.iter().map(|t| t.map(|v| is[v as usize]));
-                let near = corners.map(|triangle| from_triangle(point, triangle));
-                most = most.max(near.fold(f64::INFINITY, f64::min));
-            }
+            most = most.max(judged.shown_m(&clip.name, secs));
         }
     }
     most

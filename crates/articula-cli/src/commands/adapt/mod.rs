@@ -2,6 +2,7 @@
 
 mod context;
 mod report;
+mod trace;
 mod xsltproc;
 
 use crate::console::Console;
@@ -19,6 +20,7 @@ use context::{ContextArgs, FinestParts};
 use report::{AdaptReport, DECISION, Decided};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use trace::TraceArgs;
 
 /// What cuts the streams.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -59,6 +61,8 @@ pub(crate) struct AdaptArgs {
     #[arg(long, value_enum, default_value_t = Engine::Native)]
     engine: Engine,
     #[command(flatten)]
+    trace: TraceArgs,
+    #[command(flatten)]
     context: ContextArgs,
 }
 
@@ -84,9 +88,12 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
             return Err(fault::usage(what));
         }
     }
+    args.trace.check()?;
+    let outputs = args.outputs();
+    let outputs = outputs.iter().map(PathBuf::as_path);
     console
         .files
-        .plan(args.inputs(), args.outputs().iter().map(PathBuf::as_path))?;
+        .plan(args.inputs(), outputs.chain(args.trace.output()))?;
     let finest = args.limit.unwrap_or_default();
     if args.aqos.is_some() && (finest.texture_px.is_some() || finest.tier > 0) {
         let what = "--limit tier and texture are of the joint choice; leave them or --aqos out";
@@ -102,6 +109,10 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
     };
     let whole = console.files.open_item(&args.item, &Limits::default())?;
     let item = whole.with_clips(&args.clip)?;
+    if let Some(trace) = args.trace.file() {
+        let item = (&item, files::shown(&args.item));
+        return args.trace.run(trace, item, &context, &options, console);
+    }
     let start = Instant::now();
     let decided = args.decided(&item, &context, &options)?;
     let decided_secs = start.elapsed().as_secs_f64();
@@ -123,7 +134,8 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
 
 impl AdaptArgs {
     fn inputs(&self) -> impl Iterator<Item = &Path> {
-        self.context.files().chain(self.aqos.as_deref())
+        let documents = self.context.files().chain(self.aqos.as_deref());
+        documents.chain(self.trace.file())
     }
 
     /// What is kept, and why.

@@ -1,9 +1,10 @@
 //! Digital items adapted to contexts: the joint choice beside cuts of single parts, sizes and costs of
-//! levels, and what contexts get (docs/methods/adaptation.md, docs/adaptation.md).
+//! levels, and what is shown over traces of bandwidth (docs/methods/adaptation.md, docs/adaptation.md).
 
 mod cases;
 mod levels;
 mod sweep;
+mod traces;
 
 use super::Run;
 use super::targets::{Target, section};
@@ -24,6 +25,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     }
     levels::write(&items, &mut page)?;
     let sweeps = sweep::write(run, &items, &mut page, &mut csv)?;
+    let traces = traces::write(run, &items, &mut page)?;
     let targets = [
         Target::at_most(
             ["choices above the best of single and equal cuts"],
@@ -45,9 +47,19 @@ pub(crate) fn write(run: &Run) -> Result<()> {
             0.0,
             sweeps.posed_above_bound_percent,
         ),
+        Target::at_most(
+            ["traces on which the joint choice stalls more than the thesis' ratio"],
+            0.0,
+            traces.stalling as f64,
+        ),
+        Target::at_most(
+            ["traces on which its error is not lower than that of the thesis' ratio"],
+            0.0,
+            traces.not_lower as f64,
+        ),
     ];
     page.push_str(&section(
-        "What the joint choice must keep, over all items, distances and budgets of the sweep.",
+        "What the joint choice must keep, over all items, distances and budgets of the sweep, and over all traces.",
         &["quantity"],
         &targets,
     ));

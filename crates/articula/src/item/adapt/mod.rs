@@ -40,7 +40,9 @@ pub use parts::ItemParts;
 pub use regions::Regions;
 pub use table::{aqos, decide_by_table};
 
+pub(super) use regions::applied_regions;
 pub(super) use table::parameters;
+pub(super) use texture::texture_error_px;
 
 use cutter::by_description;
 

@@ -16,6 +16,11 @@ pub struct Regions {
     face_loa: Option<[u8; FaceRegion::ALL.len()]>,
 }
 
+/// The item without the regions that preferences leave out.
+pub(in crate::item) fn applied_regions(item: &Item, preferences: &Preferences) -> Result<Item> {
+    Regions::of(preferences).applied(item)
+}
+
 impl Regions {
     /// Those that preferences ask for.
     pub(super) fn of(preferences: &Preferences) -> Self {

@@ -66,6 +66,20 @@ fn option(
     }
 }
 
+/// The error of the largest of some sizes of a texture; of the smallest one without any.
+pub(in crate::item) fn texture_error_px(
+    part: &ItemPart,
+    sizes: &[bool],
+    pixels_per_metre: f64,
+) -> f64 {
+    let there = part.layers.iter().zip(sizes).filter(|(_, there)| **there);
+    let largest = there
+        .map(|(layer, _)| layer)
+        .max_by_key(|layer| side(layer));
+    let shown = largest.or_else(|| part.layers.iter().min_by_key(|layer| side(layer)));
+    shown.map_or(0.0, |layer| error_px(&layer.views, pixels_per_metre))
+}
+
 /// The error at a number of pixels per metre: linear between the nearest measured views, that of the
 /// farthest view beyond it, and nearer than all in proportion to the pixels per metre. No view, no
 /// error: nothing of the figure shows the picture.
