@@ -110,6 +110,7 @@ fn decision(kbit: f64) -> Result<(), Box<dyn Error>> {
         representations: &[vector],
         capabilities: &["webgl".to_owned(), "svg".to_owned()],
         modality: wanted_modality(&context),
+        device: DeviceBenchmark::of_context(&context),
     })?;
     print!("{decision}");
     for (which, part) in parts.iter().enumerate() {

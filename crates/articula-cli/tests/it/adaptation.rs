@@ -232,18 +232,47 @@ fn an_item_is_played_over_a_trace() {
         why.contains("bad.csv: line 2: 0 s does not come after"),
         "{why}"
     );
-    let why = fault(&here, 2, &["adapt", "robot", "out", "--trace", "slow.csv"]);
-    assert!(why.contains("--trace"), "{why}");
-    let why = fault(
-        &here,
-        2,
-        &["adapt", "robot", "--trace", "slow.csv", "--play", "secs=0"],
+    let ran = articula(&here, &["adapt", "robot", "out", "--trace", "slow.csv"]);
+    assert!(
+        ran.status == 2 && ran.err.contains("--trace"),
+        "{}",
+        ran.err
     );
-    assert!(why.contains("secs: expected a number above 0"), "{why}");
     let why = fault(
         &here,
         2,
         &["adapt", "robot", "--trace", "slow.csv", "--plot", "x.png"],
     );
     assert!(why.contains("name a .svg file"), "{why}");
+}
+
+#[test]
+fn a_device_gets_what_it_bears() {
+    let here = folder("adaptation-device");
+    if !item(&here) {
+        return;
+    }
+    let with = |score: &str| json(&here, &["adapt", "robot", "--device-score", score]);
+    let error = |report: &serde_json::Value| report["decision"]["error_px"].as_f64().unwrap();
+    let (fast, slow) = (with("100"), with("60"));
+    assert!(fast["decision"]["device_ratio"].is_null());
+    assert_eq!(slow["decision"]["device_ratio"], 0.6);
+    assert!(error(&slow) > error(&fast) && slow["bytes_out"].as_u64() < fast["bytes_out"].as_u64());
+    let words = slow["decision"]["explanation"].as_str().unwrap();
+    let told = "60.0 % of that of everything, by the device";
+    assert!(
+        words.contains(told) && words.contains("limited by: the device"),
+        "{words}"
+    );
+    // The same by what client and server know.
+    let client = r#"{"terminal": {"benchmarks": [{"name": "b", "score": 54}]}}"#;
+    let server = "<DIA><Description><vh:Benchmark xmlns:vh='urn:articula:vh:1' name='b' \
+                  referenceScore='90'/></Description></DIA>";
+    std::fs::write(here.join("client.json"), client).unwrap();
+    std::fs::write(here.join("server.xml"), server).unwrap();
+    let files = ["--context", "client.json", "--context", "server.xml"];
+    let both = json(&here, &[&["adapt", "robot"][..], &files].concat());
+    assert_eq!(both["decision"]["parts"], slow["decision"]["parts"]);
+    let why = fault(&here, 1, &["adapt", "robot", "--device-score", "0"]);
+    assert!(why.contains("nothing of the item fits"), "{why}");
 }

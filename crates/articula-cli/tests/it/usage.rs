@@ -191,6 +191,11 @@ fn wrong_settings_name_the_flag_and_what_is_allowed() {
             "--limit",
             "0 (very low) to 3 (high)",
         ),
+        (
+            &["adapt", "item", "--trace", "t.csv", "--play", "secs=0"],
+            "--play",
+            "above 0",
+        ),
     ];
     for (words, flag, allowed) in cases {
         let ran = articula(&here, words);

@@ -4,8 +4,8 @@ use crate::annex_b;
 use crate::tools::LIMITS;
 use articula_mutate::Dice;
 use articula_stream::description::{
-    Aqos, BANDWIDTH, BsdLink, Context, Did, DidComponent, DidDescriptor, DidItem, DidResource,
-    GbsdOptions, LAYERS, Modality, Selection, read_gbsd, write_gbsd,
+    Aqos, BANDWIDTH, Benchmark, BsdLink, Context, Did, DidComponent, DidDescriptor, DidItem,
+    DidResource, GbsdOptions, LAYERS, Modality, Selection, read_gbsd, write_gbsd,
 };
 use std::path::Path;
 
@@ -66,6 +66,14 @@ fn random_context(dice: &mut Dice) -> Context {
             .iter()
             .map(|name| (*name).to_owned())
             .collect();
+        let of = |name: &&str| Benchmark {
+            name: (*name).to_owned(),
+            score: Some(f64::from(count) / 3.0),
+            share: (count > 1).then_some(0.5),
+            ..Benchmark::default()
+        };
+        let names = ["viewperf", "\"<score>\"&"];
+        context.terminal.benchmarks = names[..usize::from(count)].iter().map(of).collect();
     }
     context
 }

@@ -5,8 +5,8 @@ use crate::tools::LIMITS;
 use articula_mutate::{Edit, Mutations, cut_off};
 use articula_stream::DescriptionLimits;
 use articula_stream::description::{
-    AdaptMode, Aqos, Constraints, Context, Did, Holes, Selection, adapt_gbsd, gbsd_to_bin,
-    read_gbsd, write_gbsd,
+    AdaptMode, Aqos, Benchmark, Constraints, Context, Did, Holes, Selection, adapt_gbsd,
+    gbsd_to_bin, read_gbsd, write_gbsd,
 };
 
 /// Limits that the long documents below exceed by far.
@@ -221,6 +221,11 @@ fn context() -> Context {
     context.network.available_bps = Some(1e5);
     context.terminal.codecs = vec!["abp1".into()];
     context.terminal.joints_per_ms = Some(40.0);
+    context.terminal.benchmarks = vec![Benchmark {
+        name: "b".into(),
+        score: Some(3.0),
+        ..Benchmark::default()
+    }];
     context.preferences.face_loa = Some([1; 8]);
     context.view.distance_m = Some(2.5);
     context

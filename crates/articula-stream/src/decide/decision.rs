@@ -3,11 +3,11 @@
 //!
 //! Source: thesis 3.2.
 
-use super::choice::{Budget, Choice, ChoiceRequest, check, choose_among, summed};
+use super::choice::{Budget, Choice, ChoiceRequest, choose_among, summed};
 use super::part::{Part, PartKind};
 use super::preference::Preference;
+use super::ratio::DeviceBenchmark;
 use super::representation::{Representation, choose_representation, supports};
-use articula_core::Mismatch;
 
 /// What a decision is about.
 #[derive(Debug, Clone, Copy)]
@@ -26,6 +26,9 @@ pub struct DecisionRequest<'a> {
     pub capabilities: &'a [String],
     /// Kind of representation that the user wants, such as `vector`; `None` for 3D where possible.
     pub modality: Option<&'a str>,
+    /// The device, if benchmarks of it are known: it bears a share of the time per frame of the costliest
+    /// options, whatever the unit of these times.
+    pub device: Option<DeviceBenchmark>,
 }
 
 /// What keeps a decision from a smaller error.
@@ -35,6 +38,8 @@ pub enum Bound {
     Bytes,
     /// The time per frame.
     FrameTime,
+    /// The time per frame that the device bears by its benchmarks.
+    Device,
     /// The memory.
     Memory,
     /// A smaller error is not seen.
@@ -102,6 +107,9 @@ pub struct NextStep {
 pub struct Decision {
     /// What was asked: budget, window, size on the screen.
     pub request: ChoiceRequest,
+    /// Share of the time per frame of the costliest options that the device bears (`R_A` of the thesis),
+    /// if that is what the time per frame is bounded by.
+    pub device_ratio: Option<f64>,
     /// What is sent and shown.
     pub outcome: Outcome,
     /// Kind of encoding: `3d`, that of the representation, or empty if nothing fits.
@@ -125,16 +133,10 @@ pub struct Decision {
     pub unmet: Vec<Preference>,
 }
 
-/// Decides what to send of a character, and to show.
-///
-/// Limits narrow the options of the parts, then wishes as far as the rest fits the budget, then
-/// [`choose`](super::choose) takes the best. If the client cannot show 3D, or the cheapest options
-/// exceed the budget, the best of the other representations is taken.
-///
-/// # Errors
-/// As for [`choose`](super::choose).
-pub fn decide(request: &DecisionRequest<'_>) -> Result<Decision, Mismatch> {
-    check(request.parts, &request.choice)?;
+/// The decision within the budget: limits narrow the options of the parts, then wishes as far as the rest
+/// fits, then [`choose`](super::choose) takes the best. If the client cannot show 3D, or the cheapest
+/// options exceed the budget, the best of the other representations is taken.
+pub(super) fn decided(request: &DecisionRequest<'_>) -> Decision {
     let (allowed, choice, unmet) = choose_parts(request);
     let bytes = request.choice.budget.bytes;
     let of_kind = |modality| {
@@ -143,14 +145,14 @@ pub fn decide(request: &DecisionRequest<'_>) -> Result<Decision, Mismatch> {
     };
     let wanted = request.modality.filter(|m| *m != THREE_D);
     if let Some(form) = wanted.and_then(|m| of_kind(Some(m))) {
-        return Ok(flat(request, form, Vec::new(), unmet));
+        return flat(request, form, Vec::new(), unmet);
     }
     let shows_parts = supports(request.capabilities, request.parts_need);
     if shows_parts
         && !request.parts.is_empty()
         && let Some(choice) = choice
     {
-        return Ok(three_d(request, &allowed, choice, unmet));
+        return three_d(request, &allowed, choice, unmet);
     }
     let bounds = if shows_parts {
         too_little(request)
@@ -158,7 +160,7 @@ pub fn decide(request: &DecisionRequest<'_>) -> Result<Decision, Mismatch> {
         vec![Bound::Capability]
     };
     let least_bytes = least_bytes(request, &allowed).filter(|_| shows_parts);
-    Ok(match of_kind(None) {
+    match of_kind(None) {
         Some(form) => Decision {
             least_bytes,
             ..flat(request, form, bounds, unmet)
@@ -166,6 +168,7 @@ pub fn decide(request: &DecisionRequest<'_>) -> Result<Decision, Mismatch> {
         None => Decision {
             least_bytes,
             request: request.choice,
+            device_ratio: None,
             outcome: Outcome::Nothing,
             modality: String::new(),
             error_px: f64::INFINITY,
@@ -174,7 +177,7 @@ pub fn decide(request: &DecisionRequest<'_>) -> Result<Decision, Mismatch> {
             parts: Vec::new(),
             unmet,
         },
-    })
+    }
 }
 
 const THREE_D: &str = "3d";
@@ -220,6 +223,7 @@ fn flat(
     let of = &request.representations[form];
     Decision {
         request: request.choice,
+        device_ratio: None,
         outcome: Outcome::Representation(form),
         modality: of.modality.clone(),
         error_px: of.error_px,
@@ -264,7 +268,11 @@ fn lifted(request: &ChoiceRequest, bound: Bound) -> ChoiceRequest {
         Bound::Bytes => wide.budget.bytes = Budget::UNBOUNDED,
         Bound::FrameTime => wide.budget.frame_ns = Budget::UNBOUNDED,
         Bound::Memory => wide.budget.memory_bytes = Budget::UNBOUNDED,
-        Bound::View | Bound::Emphasis | Bound::Preference(_) | Bound::Capability => {
+        Bound::Device
+        | Bound::View
+        | Bound::Emphasis
+        | Bound::Preference(_)
+        | Bound::Capability => {
             wide.enough_px = 0.0;
         }
     }
@@ -282,6 +290,7 @@ fn three_d(
         .collect();
     Decision {
         request: request.choice,
+        device_ratio: None,
         modality: THREE_D.to_owned(),
         error_px: parts.iter().map(|p| p.error_px).sum(),
         bytes: choice.bytes,

@@ -52,6 +52,7 @@ fn request(parts: &[Part], bytes: u64, frame_ns: u64) -> DecisionRequest<'_> {
         representations: &[],
         capabilities: &[],
         modality: None,
+        device: None,
     }
 }
 
@@ -97,6 +98,59 @@ fn a_decision_says_what_bound_it_and_what_comes_next() {
     far.choice.enough_px = 2.0;
     let far = decide(&far).unwrap();
     assert_eq!((levels(&far), far.bounds), (vec![1, 1], vec![Bound::View]));
+}
+
+#[test]
+fn a_slower_device_gets_what_it_bears_and_is_told_so() {
+    let parts = parts();
+    let with = |score, frame_ns| {
+        decide(&DecisionRequest {
+            device: Some(DeviceBenchmark {
+                reference_fps: 50.0,
+                wanted_fps: 25.0,
+                reference_score: 90.0,
+                device_score: score,
+                share: 1.0,
+            }),
+            ..request(&parts, 1 << 30, frame_ns)
+        })
+        .unwrap()
+    };
+    // The finest of both parts take 1.3 ms. A device three times slower bears two thirds of it at half
+    // of the rate: 866,666 ns.
+    let third = with(30.0, Budget::UNBOUNDED);
+    assert_eq!(third.request.budget.frame_ns, 866_666);
+    assert_eq!(
+        (levels(&third), &*third.bounds),
+        (vec![0, 1], &[Bound::Device][..])
+    );
+    assert_eq!(
+        third.parts[1].next.as_ref().unwrap().bounds,
+        [Bound::Device]
+    );
+    let text = third.to_string();
+    for line in [
+        "0.867 ms per frame, 66.7 % of that of everything, by the device, at",
+        "limited by: the device\n",
+        "prevented by the device\n",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    // A time per frame that is less counts.
+    let slow = with(30.0, 250_000);
+    assert_eq!(
+        (slow.bounds, slow.device_ratio),
+        (vec![Bound::FrameTime], None)
+    );
+    // From a ratio of 1 on, nothing is adapted: 45 is half as fast, at half of the rate.
+    let half = with(45.0, Budget::UNBOUNDED);
+    assert_eq!((levels(&half), half.device_ratio), (vec![0, 0], None));
+    // Below the coarsest levels there is no 3D.
+    let phone = with(5.0, Budget::UNBOUNDED);
+    assert_eq!(
+        (phone.outcome, phone.bounds),
+        (Outcome::Nothing, vec![Bound::Device])
+    );
 }
 
 #[test]

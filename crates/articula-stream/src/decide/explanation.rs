@@ -11,6 +11,7 @@ impl Display for Bound {
         match self {
             Self::Bytes => f.write_str("the bytes"),
             Self::FrameTime => f.write_str("the time per frame"),
+            Self::Device => f.write_str("the device"),
             Self::Memory => f.write_str("the memory"),
             Self::View => f.write_str("what can be seen"),
             Self::Emphasis => f.write_str("the emphasis, which is none"),
@@ -95,6 +96,13 @@ impl Display for Decision {
             ns => write!(f, ", {:.3} ms", ms(ns as f64))?,
         }
         f.write_str(" per frame, ")?;
+        if let Some(ratio) = self.device_ratio {
+            write!(
+                f,
+                "{:.1} % of that of everything, by the device, ",
+                100.0 * ratio
+            )?;
+        }
         if of.budget.memory_bytes < Budget::UNBOUNDED {
             write!(f, "{} bytes of memory, ", of.budget.memory_bytes)?;
         }

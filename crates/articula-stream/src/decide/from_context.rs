@@ -3,8 +3,8 @@
 use super::choice::{Budget, ChoiceRequest};
 use super::part::{Part, PartKind, pixels_per_metre};
 use super::preference::{LimitSource, Preference, Rule};
-use super::ratio::NetworkShare;
-use crate::description::{Context, Modality};
+use super::ratio::{DeviceBenchmark, NetworkShare};
+use crate::description::{Benchmark, Context, Modality};
 use articula_core::Viewport;
 
 /// What counts where a context says nothing.
@@ -82,6 +82,50 @@ impl ChoiceRequest {
             enough_px: context.preferences.tolerance_px.unwrap_or(0.0),
             effort: Self::EFFORT,
         }
+    }
+}
+
+/// Frames per second that are wanted where a context says nothing, and those of the reference machine.
+const FPS: f64 = 60.0;
+/// Score of the reference machine where a context says nothing: the device's is a percentage of it.
+const REFERENCE_SCORE: f64 = 100.0;
+
+impl DeviceBenchmark {
+    /// The device of a context by its benchmarks; `None` if none has a score of the device.
+    ///
+    /// Of several the geometric mean counts, as in 6.1 of the thesis, and the least share. The rate that
+    /// is wanted is that of the preferences, else that of the display, else 60 frames per second. A
+    /// reference machine of which nothing is told has a score of 100, and reaches the wanted rate.
+    ///
+    /// ```
+    /// use articula_stream::decide::DeviceBenchmark;
+    /// use articula_stream::description::{Benchmark, Context};
+    ///
+    /// let mut context = Context::default();
+    /// let score = Some(50.0);
+    /// context.terminal.benchmarks = vec![Benchmark { name: "b".into(), score, ..Benchmark::default() }];
+    /// assert_eq!(DeviceBenchmark::of_context(&context).unwrap().ratio(), 0.5);
+    /// ```
+    pub fn of_context(context: &Context) -> Option<Self> {
+        let wanted_fps = context.preferences.frame_rate_hz;
+        let wanted_fps = wanted_fps.or(context.terminal.refresh_hz).unwrap_or(FPS);
+        let known = context.terminal.benchmarks.iter();
+        let known: Vec<_> = known.filter(|b| b.score.is_some()).collect();
+        if known.is_empty() {
+            return None;
+        }
+        let mean = |of: &dyn Fn(&Benchmark) -> f64| -> f64 {
+            let share = 1.0 / known.len() as f64;
+            known.iter().map(|b| of(b).powf(share)).product()
+        };
+        let shares = known.iter().filter_map(|b| b.share);
+        Some(Self {
+            reference_fps: mean(&|b| b.reference_fps.unwrap_or(wanted_fps)),
+            wanted_fps,
+            reference_score: mean(&|b| b.reference_score.unwrap_or(REFERENCE_SCORE)),
+            device_score: mean(&|b| b.score.unwrap_or(0.0)),
+            share: shares.fold(1.0, f64::min),
+        })
     }
 }
 
@@ -183,6 +227,40 @@ mod tests {
         ];
         assert_eq!(rules, expected);
         assert_eq!(wanted_modality(&context), Some("vector"));
+    }
+
+    #[test]
+    fn benchmarks_are_averaged_and_what_is_missing_is_assumed() {
+        let mut context = Context::default();
+        assert_eq!(DeviceBenchmark::of_context(&context), None);
+        let of = |score, reference_score| Benchmark {
+            name: "b".into(),
+            score: Some(score),
+            reference_score,
+            ..Benchmark::default()
+        };
+        let ratio = |context: &Context| DeviceBenchmark::of_context(context).map(|d| d.ratio());
+        let near = |found: Option<f64>, expected: f64| {
+            assert!(
+                (found.unwrap() - expected).abs() < 1e-12,
+                "{found:?} {expected}"
+            );
+        };
+        // A score without a reference is a percentage of it.
+        context.terminal.benchmarks = vec![of(25.0, None)];
+        near(ratio(&context), 0.25);
+        // A quarter and a ninth: a sixth in the mean.
+        context.terminal.benchmarks = vec![of(25.0, None), of(10.0, Some(90.0))];
+        near(ratio(&context), 1.0 / 6.0);
+        // 50 frames per second there and 25 wanted here, half of the device.
+        context.preferences.frame_rate_hz = Some(25.0);
+        for benchmark in &mut context.terminal.benchmarks {
+            benchmark.reference_fps = Some(50.0);
+            benchmark.share = Some(0.5);
+        }
+        near(ratio(&context), 1.0 / 6.0);
+        context.terminal.benchmarks[1].score = Some(0.0);
+        near(ratio(&context), 0.0);
     }
 
     #[test]

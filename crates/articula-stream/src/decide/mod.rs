@@ -20,6 +20,7 @@ mod choice;
 mod decision;
 #[cfg(test)]
 mod decision_tests;
+mod device;
 mod explanation;
 mod from_context;
 mod part;
@@ -34,7 +35,8 @@ pub use bandwidth_trace::BandwidthTrace;
 pub use choice::{
     Budget, Choice, ChoiceRequest, choose, choose_exhaustively, cut_equally, cut_one,
 };
-pub use decision::{Bound, Decision, DecisionRequest, NextStep, Outcome, PartDecision, decide};
+pub use decision::{Bound, Decision, DecisionRequest, NextStep, Outcome, PartDecision};
+pub use device::decide;
 pub use from_context::{Assumptions, wanted_modality, weigh_parts};
 pub use part::{MAX_OPTIONS, Part, PartKind, PartOption, pixels_per_metre};
 pub use preference::{LimitSource, Preference, Rule};

@@ -30,7 +30,7 @@ pub use aqos::{
     LookUpTable, Module, Objective, Pins, StackFunction, Term, UtilityFunction,
 };
 pub use bsd_link::BsdLink;
-pub use context::{Context, Modality, Network, Preferences, Terminal, View};
+pub use context::{Benchmark, Context, Modality, Network, Preferences, Terminal, View};
 pub use did::{Did, DidComponent, DidDescriptor, DidItem, DidResource};
 pub use gbsd::{
     AdaptMode, FixedParameter, Gbsd, GbsdOptions, Holes, Selection, adapt_gbsd, gbsd_to_bin,

@@ -33,6 +33,8 @@ pub struct DecisionReport {
     pub pixels_per_metre: Option<f64>,
     /// Share of the item that the network carries in the time; null without a bandwidth.
     pub network_ratio: Option<f64>,
+    /// Share of the time per frame of everything that the device bears, if that bounds it; else null.
+    pub device_ratio: Option<f64>,
     /// What keeps the error from being smaller.
     pub bounds: Vec<String>,
     /// The option of each part.
@@ -114,6 +116,7 @@ impl DecisionReport {
             bytes_allowed: decided.bytes_allowed,
             pixels_per_metre: Some(decision.request.pixels_per_metre),
             network_ratio: decided.network_ratio,
+            device_ratio: decision.device_ratio,
             bounds: words(&decision.bounds),
             parts: decision.parts.iter().map(PartReport::new).collect(),
             explanation: decision.to_string(),

@@ -5,9 +5,12 @@ use crate::files;
 use anyhow::Context as _;
 use articula::core::{Region, Zone};
 use articula::stream::DescriptionLimits;
-use articula::stream::description::{Context, Modality};
+use articula::stream::description::{Benchmark, Context, Modality};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
+
+/// Name of the benchmark of `--device-score`, which replaces all others.
+const DEVICE: &str = "device";
 
 /// Form in which the character is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -50,6 +53,10 @@ pub(crate) struct ContextArgs {
     /// lower, face-shoulders
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     zones: Vec<Zone>,
+    /// Score of the device in a benchmark, in percent of a reference machine that shows all of the item at
+    /// the wanted rate: less is sent that takes less time per frame
+    #[arg(long, value_name = "N", value_parser = at_least_0)]
+    device_score: Option<f64>,
     /// Form in which the character is shown [default: 3d where possible]
     #[arg(long, value_enum, value_name = "FORM")]
     modality: Option<ModalityArgument>,
@@ -116,6 +123,13 @@ impl ContextArgs {
         if let Some((width, height)) = self.viewport {
             terminal.width_px = Some(width.into());
             terminal.height_px = Some(height.into());
+        }
+        if let Some(score) = self.device_score {
+            terminal.benchmarks = vec![Benchmark {
+                name: DEVICE.to_owned(),
+                score: Some(score),
+                ..Benchmark::default()
+            }];
         }
         let view = &mut context.view;
         set(&mut view.distance_m, self.distance_m);

@@ -32,8 +32,8 @@ impl Decided {
             return None;
         };
         let Some(bytes) = decided.least_bytes else {
-            let what =
-                "whatever its bytes: the time per frame, the memory or the client do not allow it";
+            let what = "whatever its bytes: the device, its memory, the time per frame or what the client \
+                 supports do not allow it";
             return Some(format!(", {what}"));
         };
         let secs = decided

@@ -33,6 +33,9 @@ impl Context {
 
 /// Removes what is unknown or empty.
 fn known(value: &mut serde_json::Value) {
+    if let serde_json::Value::Array(list) = value {
+        list.iter_mut().for_each(known);
+    }
     if let serde_json::Value::Object(fields) = value {
         fields.values_mut().for_each(known);
         fields.retain(|_, value| match value {

@@ -3,11 +3,14 @@
 //! Source: ISO/IEC 21000-7 (usage environment description, in its XML form XDI), thesis 3.1.1. A
 //! context says what is there and what is wanted, never what to send; that is a decision.
 
+mod benchmark;
 #[cfg(feature = "json")]
 mod json;
 mod leaves;
 mod xdi;
 mod xdi_write;
+
+pub use benchmark::Benchmark;
 
 use super::xml::is_allowed;
 use articula_core::Mismatch;
@@ -87,6 +90,8 @@ pub struct Terminal {
     pub memory_bytes: Option<f64>,
     /// Names of the codecs that it decodes, such as `abp2`; empty if unknown.
     pub codecs: Vec<String>,
+    /// Results of benchmarks.
+    pub benchmarks: Vec<Benchmark>,
 }
 
 /// In what form a character is shown.
@@ -213,6 +218,7 @@ impl Context {
     /// - delays, losses and errors: the greater number, the more cautious estimate;
     /// - codecs: those of the client that the server has, too; those of the other end if one lists
     ///   none;
+    /// - benchmarks: those of the same name together, each end with what it knows;
     /// - preferences and view: those of the client; what it does not tell is that of the server.
     ///
     /// A number that one end does not know is that of the other.
@@ -242,6 +248,7 @@ impl Context {
             frame_budget_ms: least(ends.0.frame_budget_ms, ends.1.frame_budget_ms),
             memory_bytes: least(ends.0.memory_bytes, ends.1.memory_bytes),
             codecs: shared(&ends.0.codecs, &ends.1.codecs),
+            benchmarks: benchmark::both(&ends.0.benchmarks, &ends.1.benchmarks),
         };
         Self {
             network,
@@ -285,8 +292,7 @@ impl Context {
             inside("face_loa", whole(Some(level)), 3.0)?;
         }
         inside("fov_rad", self.view.fov_rad, std::f64::consts::PI)?;
-        let is_letter = |c: char| !c.is_whitespace() && is_allowed(c);
-        let is_word = |name: &&String| !name.is_empty() && name.chars().all(is_letter);
+        benchmark::check(&self.terminal.benchmarks)?;
         if let Some(name) = self.terminal.codecs.iter().find(|name| !is_word(name)) {
             let what = format!(
                 "found \"{name}\", expected names without white space or control characters"
@@ -344,6 +350,12 @@ impl Context {
             ("prefer_detail", self.preferences.prefer_detail),
         ]
     }
+}
+
+/// Whether a name has letters and no white space.
+fn is_word(name: &str) -> bool {
+    let is_letter = |c: char| !c.is_whitespace() && is_allowed(c);
+    !name.is_empty() && name.chars().all(is_letter)
 }
 
 fn least(a: Option<f64>, b: Option<f64>) -> Option<f64> {

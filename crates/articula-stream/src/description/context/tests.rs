@@ -75,3 +75,39 @@ fn values_outside_of_their_bounds_are_named() {
     context.network.packet_loss = Some(1.5);
     assert_eq!(refused(&context), "packet_loss");
 }
+
+#[test]
+fn benchmarks_of_both_ends_are_put_together_by_name() {
+    let of = |name: &str, score, reference_score| Benchmark {
+        name: name.into(),
+        score,
+        reference_score,
+        ..Benchmark::default()
+    };
+    let (mut client, mut server) = (Context::default(), Context::default());
+    client.terminal.benchmarks = vec![of("a", Some(30.0), None)];
+    server.terminal.benchmarks = vec![of("b", None, Some(5.0)), of("a", Some(1.0), Some(90.0))];
+    let both = Context::aggregate(&client, &server);
+    let expected = [of("a", Some(30.0), Some(90.0)), of("b", None, Some(5.0))];
+    assert_eq!(both.terminal.benchmarks, expected);
+    assert_eq!(both.check(), Ok(()));
+    let refused = |benchmark: Benchmark| {
+        let mut context = Context::default();
+        context.terminal.benchmarks = vec![benchmark];
+        context.check().unwrap_err().at
+    };
+    assert_eq!(refused(of("", None, None)), "benchmarks \"\": name");
+    assert_eq!(
+        refused(of("a", Some(-1.0), None)),
+        "benchmarks \"a\": score"
+    );
+    let half = Benchmark {
+        share: Some(1.5),
+        ..of("a", None, None)
+    };
+    assert_eq!(refused(half), "benchmarks \"a\": share");
+    client.terminal.benchmarks = (0..65).map(|i| of(&i.to_string(), None, None)).collect();
+    assert_eq!(client.check().unwrap_err().what, "65, at most 64 are read");
+    client.terminal.benchmarks = vec![of("a", None, None); 2];
+    assert_eq!(client.check().unwrap_err().what, "is told twice");
+}

@@ -3,8 +3,9 @@
 //! Form: `docs/formats/context.md`. The schema of the standard nests its elements in ways that
 //! differ between editions, so that a reader takes leaves by their names, wherever they lie.
 
+use super::benchmark::check_count;
 use super::leaves::LEAVES;
-use super::{Context, Modality};
+use super::{Benchmark, Context, Modality};
 use crate::description::xml::{Document, whole};
 use crate::error::StreamError;
 use crate::limits::DescriptionLimits;
@@ -25,6 +26,7 @@ impl Context {
         for element in description + 1..document.elements[description].end {
             context.take_numbers(&document, element)?;
             context.take_words(&document, element)?;
+            context.take_benchmark(&document, element)?;
         }
         context
             .check()
@@ -60,6 +62,41 @@ impl Context {
             }
         }
         Ok(())
+    }
+
+    fn take_benchmark(
+        &mut self,
+        document: &Document<'_>,
+        element: usize,
+    ) -> Result<(), StreamError> {
+        if !document.is(element, "Benchmark") {
+            return Ok(());
+        }
+        let mut found = Benchmark {
+            name: document
+                .value(element, "name")
+                .unwrap_or_default()
+                .to_owned(),
+            ..Benchmark::default()
+        };
+        for (attribute, place) in found.numbers() {
+            let Some(text) = document.value(element, attribute) else {
+                continue;
+            };
+            let number: Option<f64> = text.trim().parse().ok();
+            let number = number.filter(|number| number.is_finite());
+            let wrong = || {
+                document.bad(
+                    element,
+                    format!("{attribute} \"{text}\", expected a number"),
+                )
+            };
+            *place = Some(number.ok_or_else(wrong)?);
+        }
+        if !self.terminal.benchmarks.contains(&found) {
+            self.terminal.benchmarks.push(found);
+        }
+        check_count(&self.terminal.benchmarks).map_err(|e| document.bad(element, e.to_string()))
     }
 
     fn take_words(&mut self, document: &Document<'_>, element: usize) -> Result<(), StreamError> {

@@ -32,6 +32,7 @@ impl Context {
                 for codec in w.context.terminal.codecs.clone() {
                     w.leaf("Codec", &codec);
                 }
+                w.benchmarks();
             });
         });
         writer.property("Users", "User", |w| {
@@ -149,6 +150,22 @@ impl Writer<'_> {
     fn optional(&mut self, name: &str, value: Option<impl ToString>) {
         if let Some(value) = value {
             self.leaf(name, &value.to_string());
+        }
+    }
+
+    fn benchmarks(&mut self) {
+        for mut benchmark in self.context.terminal.benchmarks.clone() {
+            let _ = write!(
+                self.out,
+                "<vh:Benchmark name=\"{}\"",
+                escape(&benchmark.name)
+            );
+            for (attribute, value) in benchmark.numbers() {
+                if let Some(value) = value {
+                    let _ = write!(self.out, " {attribute}=\"{value}\"");
+                }
+            }
+            self.out.push_str("/>");
         }
     }
 

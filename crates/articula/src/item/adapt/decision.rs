@@ -10,8 +10,8 @@ use crate::item::files::Item;
 use crate::item::manifest::FlatEntry;
 use crate::item::part::PartKind as ItemKind;
 use articula_stream::decide::{
-    self, Assumptions, Budget, ChoiceRequest, Decision, DecisionRequest, NetworkShare, Outcome,
-    PartKind, Preference, Representation, wanted_modality, weigh_parts,
+    self, Assumptions, Budget, ChoiceRequest, Decision, DecisionRequest, DeviceBenchmark,
+    NetworkShare, Outcome, PartKind, Preference, Representation, wanted_modality, weigh_parts,
 };
 use articula_stream::description::Context;
 
@@ -72,7 +72,9 @@ impl ItemDecision {
 /// allowed, over motions, meshes and textures at once.
 ///
 /// - Bytes: the bandwidth times [`AdaptOptions::wait_secs`], at most [`AdaptOptions::max_bytes`].
-/// - Time: `frame_budget_ms` of the terminal, with its speeds; what it does not tell costs nothing.
+/// - Time: `frame_budget_ms` of the terminal, with its speeds; what it does not tell costs nothing. With
+///   `benchmarks`, at most the share of the cost of everything that the device bears, in times of a
+///   reference machine where the terminal tells no speeds.
 /// - Memory: `memory_bytes` of the terminal, for decoded meshes, textures and clips.
 /// - Errors are compared in pixels at the distance of the view (3.5 m if unknown) on the display of
 ///   the terminal (1280 x 720 at 45 degrees if unknown). An error up to `tolerance_px` (1 if a
@@ -101,7 +103,9 @@ pub(super) fn decide_among(
     let regions = Regions::of(&context.preferences);
     let item = &regions.applied(item)?;
     let mut request = ChoiceRequest::of_context(context, &assumptions(options));
-    let mut parts = ItemParts::of(item, context, options, request.pixels_per_metre, scope);
+    let device = DeviceBenchmark::of_context(context);
+    let known = device.map_or_else(|| context.clone(), |_| with_reference_speeds(context));
+    let mut parts = ItemParts::of(item, &known, options, request.pixels_per_metre, scope);
     weigh_parts(&mut parts.parts, context);
     let sent_bytes = |file: &String| item.manifest.sent_bytes(file);
     let carried = item.manifest.whole.iter().map(|file| &file.file);
@@ -143,6 +147,7 @@ pub(super) fn decide_among(
         representations: &representations,
         capabilities: &capabilities,
         modality: wanted_modality(context),
+        device,
     })?;
     if let Outcome::Representation(form) = decision.outcome {
         decision.bytes = sent_bytes(&item.manifest.flat[form].file);
@@ -151,14 +156,7 @@ pub(super) fn decide_among(
         // Without 3D there is no figure.
         decision.request.budget.bytes = allowed.saturating_sub(whole);
     }
-    let cut = match &decision.outcome {
-        Outcome::Nothing => None,
-        Outcome::Representation(form) => Some(ItemCut::Flat(*form)),
-        Outcome::Parts(choice) => {
-            let kept = kept(item, &parts, &choice.options);
-            Some(ItemCut::Layers { kept, regions })
-        }
-    };
+    let cut = kept_of(item, &parts, &decision.outcome, regions);
     let least_bytes = match decision.outcome {
         Outcome::Nothing => least_bytes(item, &decision, &capabilities, bytes_always),
         _ => None,
@@ -174,6 +172,26 @@ pub(super) fn decide_among(
         bytes_allowed: (allowed < UNBOUNDED).then_some(allowed),
         network_ratio: network.map(|n| n.ratio()),
     })
+}
+
+/// Speeds of the machine that scores of benchmarks are compared with, where the terminal tells none: how
+/// much of the time of a frame joints, parameters of the face and triangles take.
+const REFERENCE_JOINTS_PER_MS: f64 = 1e4;
+const REFERENCE_FAPS_PER_MS: f64 = 1e4;
+const REFERENCE_TRIANGLES_PER_S: f64 = 1e8;
+
+/// The context with the speeds of the reference machine in place of those that are unknown.
+fn with_reference_speeds(context: &Context) -> Context {
+    let mut known = context.clone();
+    let terminal = &mut known.terminal;
+    for (speed, reference) in [
+        (&mut terminal.joints_per_ms, REFERENCE_JOINTS_PER_MS),
+        (&mut terminal.faps_per_ms, REFERENCE_FAPS_PER_MS),
+        (&mut terminal.triangles_per_s, REFERENCE_TRIANGLES_PER_S),
+    ] {
+        speed.get_or_insert(reference);
+    }
+    known
 }
 
 /// What counts where the context says nothing: no bound, and the usual distance.
@@ -247,6 +265,18 @@ fn needs(item: &Item) -> Vec<String> {
         }
     }
     needs
+}
+
+/// What an outcome keeps of the item.
+fn kept_of(item: &Item, parts: &ItemParts, outcome: &Outcome, regions: Regions) -> Option<ItemCut> {
+    match outcome {
+        Outcome::Nothing => None,
+        Outcome::Representation(form) => Some(ItemCut::Flat(*form)),
+        Outcome::Parts(choice) => {
+            let kept = kept(item, parts, &choice.options);
+            Some(ItemCut::Layers { kept, regions })
+        }
+    }
 }
 
 /// The layers of the item that the chosen options keep.
