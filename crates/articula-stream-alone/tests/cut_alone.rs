@@ -4,7 +4,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use articula_stream::{
-    ByteRanges, CutRule, Meaning, Unit, cut, difference, read_index, selected, write_index,
+    ByteRanges, CutRule, Meaning, Unit, cut, cut_by_index, difference, read_index, selected,
+    write_index,
 };
 
 const STREAM: &[u8] = include_bytes!("../../articula-stream/tests/golden/walk.abp");
@@ -75,6 +76,30 @@ fn a_stored_stream_is_cut_by_its_index() {
         part.bytes,
         by_hand(STREAM, |joint, _| [3, 14, 15].contains(&joint))
     );
+}
+
+#[test]
+fn a_cut_by_records_is_that_by_the_tree() {
+    let map = read_index(INDEX).unwrap();
+    for rule in [
+        CutRule::default(),
+        CutRule::default().at_least("tier", 2),
+        CutRule::default().at_most("loa", 1).at_least("tier", 1),
+        CutRule::default().among("joint", vec![0, 3, 17]),
+        CutRule::default().within("access_unit", 1..=1),
+    ] {
+        let by_tree = cut(STREAM, &map, |unit| rule.keeps(unit)).unwrap();
+        let made = cut_by_index(STREAM, INDEX, |unit| rule.keeps(unit)).unwrap();
+        assert!(made.bytes == by_tree.bytes, "{rule:?}");
+        assert!(made.index == write_index(&by_tree.unit), "{rule:?}");
+    }
+    // An index of another stream.
+    let mut other = STREAM.to_vec();
+    other[length(STREAM, 4) + 11] ^= 1;
+    let why = cut_by_index(&other, INDEX, |_| true)
+        .unwrap_err()
+        .to_string();
+    assert!(why.contains("au_bytes: the stream holds"), "{why}");
 }
 
 #[test]
@@ -158,12 +183,18 @@ fn memory_of_a_cut_follows_the_units_and_the_output() {
         kept,
         BYTES * (0..UNITS).filter(|unit| unit % 6 <= 2).count()
     );
+    let by_records = allocation_counter::measure(|| {
+        drop(cut_by_index(&stream, &index, |unit| rule.keeps(unit)).unwrap());
+    });
     let of_unit = |bytes: u64| bytes / UNITS as u64;
     println!(
-        "reading {} bytes a unit, cutting {}",
+        "reading {} bytes a unit, cutting {}, by records {}",
         of_unit(reading.bytes_max),
-        of_unit(cutting.bytes_max)
+        of_unit(cutting.bytes_max),
+        of_unit(by_records.bytes_max)
     );
+    // Room for all of the stream and two indices at once.
+    assert!(of_unit(by_records.bytes_max) <= (BYTES + 2 * (32 + 8)) as u64 + 2);
     // A unit in memory is below 150 bytes, its label 32; a list that grows has up to three times its
     // length at once.
     assert!(of_unit(reading.bytes_max) <= 3 * 150 + 32, "{reading:?}");

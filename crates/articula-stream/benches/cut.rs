@@ -7,7 +7,7 @@ use articula_stream::description::{
     AdaptMode, GbsdOptions, Holes, Selection, adapt_gbsd, gbsd_to_bin, stylesheet, write_gbsd,
 };
 use articula_stream::{
-    Coding, DescriptionLimits, Field, Meaning, Unit, cut, read_index, write_index,
+    Coding, DescriptionLimits, Field, Meaning, Unit, cut, cut_by_index, read_index, write_index,
 };
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
@@ -54,9 +54,25 @@ fn half() -> Selection {
     Selection::of_loa(2)
 }
 
-/// The index is read and the stream cut to half; bytes per second of the whole stream.
+/// A stream is cut to half by the records of its index, and its new index written; bytes per second of the
+/// whole stream.
 #[divan::bench(args = [64, 1024, 16384])]
 fn by_index(bencher: Bencher<'_, '_>, unit_bytes: usize) {
+    let units = (64 << 20) / 16 / unit_bytes;
+    let (stream, map) = stream(16, units, unit_bytes);
+    let index = write_index(&map);
+    let selection = half();
+    bencher
+        .counter(BytesCount::new(stream.len()))
+        .bench_local(|| {
+            let keeps = |unit: &Unit| selection.keeps(unit);
+            cut_by_index(&stream, black_box(&index), keeps).expect("a cut")
+        });
+}
+
+/// The same by the tree of its units: the index is read, the stream cut; no index is written.
+#[divan::bench(args = [64, 1024, 16384])]
+fn by_tree(bencher: Bencher<'_, '_>, unit_bytes: usize) {
     let units = (64 << 20) / 16 / unit_bytes;
     let (stream, map) = stream(16, units, unit_bytes);
     let index = write_index(&map);
@@ -91,6 +107,17 @@ fn motion() -> (Vec<u8>, Unit, String) {
 
 #[divan::bench]
 fn motion_by_index(bencher: Bencher<'_, '_>) {
+    let (stream, map, _) = motion();
+    let index = write_index(&map);
+    let selection = half();
+    bencher.bench_local(|| {
+        let keeps = |unit: &Unit| selection.keeps(unit);
+        cut_by_index(&stream, black_box(&index), keeps).expect("a cut")
+    });
+}
+
+#[divan::bench]
+fn motion_by_tree(bencher: Bencher<'_, '_>) {
     let (stream, map, _) = motion();
     let index = write_index(&map);
     bencher.bench_local(|| {

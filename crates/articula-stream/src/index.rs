@@ -9,14 +9,14 @@ use articula_core::ByteReader;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-const MAGIC: [u8; 4] = *b"AUIX";
-const VERSION: u32 = 1;
-const UNIT: usize = 32;
-const MARKER: usize = 8;
-const FIELD: usize = 32;
+pub(crate) const MAGIC: [u8; 4] = *b"AUIX";
+pub(crate) const VERSION: u32 = 1;
+pub(crate) const UNIT: usize = 32;
+pub(crate) const MARKER: usize = 8;
+pub(crate) const FIELD: usize = 32;
 /// Greatest depth of a map that is read.
 const DEPTH: usize = 32;
-const PADDING: u32 = 1;
+pub(crate) const PADDING: u32 = 1;
 /// Names of the units and markers of our codecs that are frequent: each takes no memory of its own.
 const FREQUENT: &[&str] = &[
     "unit",
@@ -49,28 +49,43 @@ const FREQUENT: &[&str] = &[
 pub fn write_index(map: &Unit) -> Vec<u8> {
     let mut tables = Tables::default();
     tables.unit(map, 0);
-    let mut out = MAGIC.to_vec();
-    let Tables {
-        names,
-        units,
-        markers,
-        fields,
-        ..
-    } = tables;
+    index_bytes(
+        &tables.names,
+        [&tables.units, &tables.markers, &tables.fields],
+    )
+}
+
+/// An index of names and records of units, markers and fields.
+pub(crate) fn index_bytes(names: &[&str], records: [&[u8]; 3]) -> Vec<u8> {
+    let [units, markers, fields] = records;
     let counts = [
         names.len(),
         units.len() / UNIT,
         markers.len() / MARKER,
         fields.len() / FIELD,
     ];
+    let text: usize = names.iter().map(|name| 2 + name.len()).sum();
+    let length: usize = records.iter().map(|records| records.len()).sum();
+    let mut out = Vec::with_capacity(MAGIC.len() + 20 + length + text);
+    out.extend(MAGIC);
     out.extend(VERSION.to_le_bytes());
-    out.extend(counts.map(|count| (count as u32).to_le_bytes()).concat());
-    out.extend([units, markers, fields].concat());
+    for count in counts {
+        out.extend((count as u32).to_le_bytes());
+    }
+    for records in records {
+        out.extend_from_slice(records);
+    }
     for name in names {
         out.extend((name.len() as u16).to_le_bytes());
         out.extend(name.as_bytes());
     }
     out
+}
+
+/// A name: a frequent one takes no memory.
+pub(crate) fn known_name(text: &str) -> Cow<'static, str> {
+    let known = FREQUENT.iter().find(|name| **name == text);
+    known.map_or_else(|| Cow::Owned(text.to_owned()), |name| Cow::Borrowed(*name))
 }
 
 #[derive(Default)]
@@ -177,8 +192,7 @@ pub fn read_index(bytes: &[u8]) -> Result<Unit, StreamError> {
         let text = std::str::from_utf8(reader.slice(usize::from(length))?);
         let text =
             text.map_err(|_| StreamError::malformed(format!("byte {at}"), "expected UTF-8"))?;
-        let known = FREQUENT.iter().find(|name| **name == text);
-        Ok(known.map_or_else(|| Cow::Owned(text.to_owned()), |name| Cow::Borrowed(*name)))
+        Ok(known_name(text))
     });
     let names = names.collect::<Result<Vec<_>, StreamError>>()?;
     reader.end()?;

@@ -5,7 +5,7 @@
 //!   the codec; numbers in them can be rewritten
 //! - [`cut()`], [`CutRule`]: removes units from a stream, by its map alone
 //! - [`selected`], [`difference()`], [`ByteRanges`]: which bytes a client must fetch to refine what it has
-//! - [`write_index`], [`read_index`]: the map as bytes
+//! - [`write_index`], [`read_index`]: the map as bytes; [`cut_by_index`]: a cut by these, several times as fast
 //! - [`description`]: descriptions after MPEG-21: of streams (gBSD), of their adaptation, of the context
 //!   of use
 //! - [`decide`]: what to send and to show, by network, device, view and user
@@ -86,6 +86,7 @@ mod frame_rate;
 mod golomb;
 mod increment;
 mod index;
+mod index_cut;
 mod kind;
 mod limits;
 #[cfg(feature = "codecs")]
@@ -94,6 +95,7 @@ pub mod mesh;
 pub mod mp4;
 #[cfg(feature = "codecs")]
 mod range_coder;
+mod records;
 mod unit;
 
 pub use coding::Coding;
@@ -107,6 +109,7 @@ pub use face::{DecodedFace, FaceClip, FaceFrame, FaceReadOptions};
 pub use frame_rate::FrameRate;
 pub use increment::{ByteRanges, difference, selected};
 pub use index::{read_index, write_index};
+pub use index_cut::{IndexedCut, cut_by_index};
 pub use kind::StreamKind;
 pub use limits::{DescriptionLimits, StreamLimits};
 pub use unit::{Field, Marker, Meaning, Unit};

@@ -10,7 +10,8 @@ use crate::clip_streams::unit_tree;
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
 use articula_formats::{Limits, Resolver};
-use articula_stream::{Cut, StreamLimits, Unit, cut, read_index, write_index};
+use articula_stream::{IndexedCut, StreamLimits, Unit, cut_by_index, read_index, write_index};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Name of the manifest's file.
@@ -18,8 +19,8 @@ pub const MANIFEST: &str = "manifest.json";
 /// Extension of unit indices.
 pub const INDEX_EXTENSION: &str = "auix";
 
-/// Cuts a stream: part, kept layers, stream, its unit tree.
-type Cutter<'a> = dyn FnMut(&ItemPart, &[bool], &[u8], &Unit) -> Result<Cut> + 'a;
+/// Cuts a stream: part, kept layers, stream, its unit index.
+type Cutter<'a> = dyn FnMut(&ItemPart, &[bool], &[u8], &[u8]) -> Result<IndexedCut> + 'a;
 
 /// A digital item: a manifest, and files by their names in the item.
 #[derive(Debug, Clone, PartialEq)]
@@ -142,13 +143,13 @@ impl Item {
     /// [`Error::Argument`] if a kept layer needs one that is not kept ([`ItemPart::closure`] tells
     /// them); an [`Error`] that names the file if an index does not belong to its stream.
     pub fn kept(&self, keeps: impl Fn(&ItemPart, usize) -> bool) -> Result<Self> {
-        self.kept_by(&keeps, &mut |part, kept, stream, unit| {
+        self.kept_by(&keeps, &mut |part, kept, stream, index| {
             let governed = Governed::of(part, kept);
-            Ok(cut(stream, unit, |unit| governed.keeps(unit))?)
+            cut_by_index(stream, index, |unit| governed.keeps(unit)).context("unit index")
         })
     }
 
-    /// The same with streams cut by `cutter`, which gets part, kept layers, stream and unit tree.
+    /// The same with streams cut by `cutter`, which gets part, kept layers, stream and unit index.
     pub(super) fn kept_by(
         &self,
         keeps: &dyn Fn(&ItemPart, usize) -> bool,
@@ -237,15 +238,17 @@ impl Item {
             };
             let missing = || Error::unsuited("the item lacks this file");
             let stream = self.file(&file).ok_or_else(missing).context(&file)?;
-            let unit = self.unit(part, stream).context(&file)?;
-            let cut = cut(stream, &unit, |unit| !drops(part, unit)).context(&file)?;
+            let whole = self.index(part, stream).context(&file)?;
+            let cut = cut_by_index(stream, &whole, |unit| !drops(part, unit));
+            let cut = cut.context("unit index").context(&file)?;
             if cut.bytes.len() == stream.len() {
                 continue;
             }
-            let left = numbers_of_regions(part.kind, &cut.unit);
+            let unit = read_index(&cut.index).context(&file)?;
+            let left = numbers_of_regions(part.kind, &unit);
             part.regions.retain(|region| left.contains(&region.number));
-            part.charge(&cut.unit, cut.bytes.len());
-            made.files.insert(index, write_index(&cut.unit));
+            part.charge(&unit, cut.bytes.len());
+            made.files.insert(index, cut.index);
             made.files.insert(file, cut.bytes);
         }
         Ok(made.described())
@@ -259,6 +262,15 @@ impl Item {
         let stream = part.file.as_deref().and_then(|file| self.file(file));
         let missing = || Error::unsuited("the item has no such stream");
         self.unit(part, stream.ok_or_else(missing)?)
+    }
+
+    /// The unit index of a stream, or made anew.
+    fn index(&self, part: &ItemPart, stream: &[u8]) -> Result<Cow<'_, [u8]>> {
+        let index = part.index.as_ref().and_then(|name| self.file(name));
+        Ok(match index {
+            Some(index) => Cow::Borrowed(index),
+            None => Cow::Owned(write_index(&unit_tree(stream, &StreamLimits::default())?)),
+        })
     }
 
     /// The unit tree of a stream: its index, or made anew.
@@ -285,11 +297,11 @@ impl Item {
         };
         let missing = || Error::unsuited("the item lacks this file");
         let stream = self.file(file).ok_or_else(missing)?;
-        let unit = self.unit(part, stream)?;
-        let Cut { bytes, unit } = cutter(part, kept, stream, &unit)?;
+        let made = cutter(part, kept, stream, &self.index(part, stream)?)?;
+        let unit = read_index(&made.index)?;
         let stated = with_layers(part, kept);
         let mut part = stated.clone();
-        part.charge(&unit, bytes.len());
+        part.charge(&unit, made.bytes.len());
         let sizes = |part: &ItemPart| -> Vec<u64> {
             let layers = part.layers.iter().map(|layer| layer.bytes);
             layers.chain([part.base_bytes]).collect()
@@ -298,8 +310,8 @@ impl Item {
             let what = "the layers of the manifest are not those of the stream";
             return Err(Error::unsuited(what));
         }
-        files.insert(index.clone(), write_index(&unit));
-        files.insert(file.clone(), bytes);
+        files.insert(index.clone(), made.index);
+        files.insert(file.clone(), made.bytes);
         Ok(part)
     }
 }

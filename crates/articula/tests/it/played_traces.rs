@@ -67,7 +67,8 @@ fn playbacks_are_sound() {
         for sample in &played.samples {
             // No more than the trace carried; nothing twice; the manifest comes too.
             assert!(sample.bytes as f64 <= trace.bits(0.0, sample.secs) / 8.0 + 1.0);
-            assert!(sample.bytes < whole + 4000, "{}", sample.bytes);
+            let gives_up = [TracePolicy::Rate, TracePolicy::Buffer].contains(&policy);
+            assert!(gives_up || sample.bytes < whole + 4000, "{}", sample.bytes);
             let begun = played.startup_secs.is_some_and(|secs| secs <= sample.secs);
             assert_eq!(
                 begun,

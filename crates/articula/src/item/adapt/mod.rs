@@ -98,8 +98,8 @@ pub fn adapt_by_description(
     transform: &mut Transform<'_>,
 ) -> Result<AdaptedItem> {
     adapted(item, cut, &mut |item, keeps| {
-        item.kept_by(keeps, &mut |part, kept, stream, unit| {
-            by_description(part, kept, stream, unit, transform)
+        item.kept_by(keeps, &mut |part, kept, stream, index| {
+            by_description(part, kept, (stream, index), transform)
         })
     })
 }

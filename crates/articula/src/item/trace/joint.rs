@@ -197,7 +197,7 @@ impl Policy for JointChoice {
     fn next(&mut self, view: &View<'_>) -> Action {
         self.requested_secs = view.now_secs;
         if let Some(base) = self.base(view, SAFE_SECS) {
-            return Action::Fetch(base);
+            return Action::fetch(base);
         }
         let levels = &view.content.ladder.levels;
         let fill = (view.buffer_secs() / HORIZON_SECS).min(1.0);
@@ -227,7 +227,7 @@ impl Policy for JointChoice {
         }
         match pieces.is_empty() {
             true => Action::Wait,
-            false => Action::Fetch(pieces),
+            false => Action::fetch(pieces),
         }
     }
 

@@ -79,7 +79,7 @@ pub struct TracePlayback {
     pub stall_secs: f64,
     /// Bytes that came.
     pub bytes: u64,
-    /// Bytes of pieces that came and are of no access unit that was shown.
+    /// Bytes of access units that were not shown, and of what was given up.
     pub unused_bytes: u64,
     /// Number of levels of quality of the item.
     pub levels: usize,

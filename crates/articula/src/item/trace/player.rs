@@ -38,6 +38,8 @@ pub(super) struct Player<'a> {
     stall_secs: f64,
     /// Time of the stall of the moment so far.
     waited: f64,
+    /// Bytes of pieces that were given up.
+    given_up: u64,
     samples: Vec<TraceSample>,
 }
 
@@ -62,6 +64,7 @@ impl<'a> Player<'a> {
             stalls: 0,
             stall_secs: 0.0,
             waited: 0.0,
+            given_up: 0,
             samples: Vec::new(),
         }
     }
@@ -74,7 +77,8 @@ impl<'a> Player<'a> {
     ) -> Result<TracePlayback> {
         // It tells what else there is.
         let manifest = self.content.catalogue.find(PieceOf::Manifest);
-        let transfer = self.fetch(&manifest.into_iter().collect::<Vec<_>>())?;
+        let manifest: Vec<usize> = manifest.into_iter().collect();
+        let transfer = self.fetch(&manifest, f64::INFINITY)?;
         policy.transferred(&transfer);
         while self.now < self.options.secs {
             let view = View {
@@ -87,8 +91,8 @@ impl<'a> Player<'a> {
             };
             match policy.next(&view) {
                 Action::Wait => self.advance(self.now + WAIT_SECS)?,
-                Action::Fetch(pieces) => {
-                    let transfer = self.fetch(&pieces)?;
+                Action::Fetch(pieces, give_up_secs) => {
+                    let transfer = self.fetch(&pieces, give_up_secs)?;
                     policy.transferred(&transfer);
                 }
             }
@@ -99,26 +103,30 @@ impl<'a> Player<'a> {
             startup_secs: self.startup,
             stalls: self.stalls,
             stall_secs: self.stall_secs,
-            bytes: self.client.bytes,
-            unused_bytes: self.unused_bytes(),
+            bytes: self.client.bytes + self.given_up,
+            unused_bytes: self.unused_bytes() + self.given_up,
             levels: self.content.ladder.levels.len(),
             samples: self.samples,
         })
     }
 
     /// Plays while a request is in flight; its pieces come one after the other.
-    fn fetch(&mut self, pieces: &[usize]) -> Result<Transfer> {
+    fn fetch(&mut self, pieces: &[usize], give_up_secs: f64) -> Result<Transfer> {
         let first_byte_secs = self.now + self.options.latency_secs;
-        let mut bits = 0.0;
+        let until = give_up_secs.max(first_byte_secs).min(self.options.secs);
         let mut last_byte_secs = first_byte_secs;
         let mut bytes = 0;
         for piece in pieces {
             let of_piece = self.content.catalogue.pieces[*piece].bytes;
-            bits += 8.0 * of_piece as f64;
+            let bits = 8.0 * (bytes + of_piece) as f64;
             let finish = self.trace.finish(first_byte_secs, bits);
-            last_byte_secs = finish.max(first_byte_secs).min(self.options.secs);
+            last_byte_secs = finish.max(first_byte_secs).min(until);
             self.advance(last_byte_secs)?;
-            if finish > self.options.secs {
+            if finish > until {
+                let through = self.trace.bits(first_byte_secs, until) / 8.0;
+                let given_up = (through as u64).saturating_sub(bytes).min(of_piece);
+                self.given_up += given_up;
+                bytes += given_up;
                 break;
             }
             bytes += of_piece;
@@ -219,7 +227,7 @@ impl<'a> Player<'a> {
         let mut sample = TraceSample {
             secs,
             bandwidth_bps: self.trace.at(secs),
-            bytes: self.client.bytes,
+            bytes: self.client.bytes + self.given_up,
             is_playing: self.is_playing,
             position_secs: position,
             buffer_secs: view.buffer_secs(),

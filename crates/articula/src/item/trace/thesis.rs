@@ -141,7 +141,7 @@ impl Policy for ThesisRatio {
             let mut pieces = view.content.missing_of_shape(view.has, &self.shape(view));
             pieces.extend(self.unit(view, play));
             if !pieces.is_empty() {
-                return Action::Fetch(pieces);
+                return Action::fetch(pieces);
             }
         }
         Action::Wait

@@ -2,7 +2,8 @@
 //! estimate of the bandwidth or by the fill of the buffer. What was fetched is not fetched again, and not
 //! refined before it plays again.
 //!
-//! Sources: hls.js (rate), BOLA (Spiteri, Urgaonkar, Sitaraman 2016, the basic form).
+//! Sources: hls.js (rate), BOLA (Spiteri, Urgaonkar, Sitaraman 2016, the basic form), dash.js (a request that
+//! takes long is given up).
 
 use super::view::{Action, HORIZON_SECS, Policy, View};
 use articula_stream::decide::{
@@ -20,6 +21,9 @@ enum By {
     Rate(LayerSwitch),
     Buffer,
 }
+
+/// Access units of time after which a request above the least level is given up, as by dash.js.
+const PATIENCE_UNITS: f64 = 1.8;
 
 /// Levels of quality, one access unit after the other.
 #[derive(Debug, Clone)]
@@ -102,7 +106,8 @@ fn bola(sizes: &[f64], secs: f64, buffer_secs: f64) -> Option<usize> {
 impl Policy for ByLevel {
     fn next(&mut self, view: &View<'_>) -> Action {
         let plays = view.content.timeline.plays.len();
-        self.next = self.next.max(view.next_play);
+        // What was given up is asked for again.
+        self.next = self.next.min(view.first_unready()).max(view.next_play);
         while self.next < plays && view.until_start(self.next) < BUFFER_SECS {
             let play = self.next;
             let Some(level) = self.level(view, play) else {
@@ -110,8 +115,12 @@ impl Policy for ByLevel {
             };
             self.next += 1;
             let pieces = view.missing(play, &view.content.ladder.levels[level]);
+            let patience_secs = match level {
+                0 => f64::INFINITY,
+                _ => PATIENCE_UNITS * view.content.timeline.plays[play].secs(),
+            };
             if !pieces.is_empty() {
-                return Action::Fetch(pieces);
+                return Action::Fetch(pieces, view.now_secs + patience_secs);
             }
         }
         Action::Wait

@@ -23,12 +23,20 @@ pub(super) struct View<'a> {
 }
 
 /// What is done next.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) enum Action {
-    /// These pieces are asked for in one request, and come in this order.
-    Fetch(Vec<usize>),
+    /// These pieces are asked for in one request, and come in this order, up to a time at which the rest is
+    /// given up.
+    Fetch(Vec<usize>, f64),
     /// Nothing for a while.
     Wait,
+}
+
+impl Action {
+    /// A request that is never given up.
+    pub(super) fn fetch(pieces: Vec<usize>) -> Self {
+        Self::Fetch(pieces, f64::INFINITY)
+    }
 }
 
 /// Decides what is asked for; called whenever nothing is in flight.
@@ -67,13 +75,20 @@ impl View<'_> {
         pieces
     }
 
-    /// Seconds that play on without another request.
-    pub(super) fn buffer_secs(&self) -> f64 {
+    /// The first play that has not begun and lacks its base; the number of all without one.
+    pub(super) fn first_unready(&self) -> usize {
         let plays = &self.content.timeline.plays;
         let mut rest = self.next_play..plays.len();
         let missing = rest.find(|play| !self.content.is_ready(self.has, &plays[*play]));
+        missing.unwrap_or(plays.len())
+    }
+
+    /// Seconds that play on without another request.
+    pub(super) fn buffer_secs(&self) -> f64 {
+        let plays = &self.content.timeline.plays;
         let end = plays.last().map_or(0.0, |last| last.end_secs);
-        let until = missing.map_or(end, |play| plays[play].start_secs);
+        let missing = plays.get(self.first_unready());
+        let until = missing.map_or(end, |play| play.start_secs);
         (until - self.position_secs).max(0.0)
     }
 
