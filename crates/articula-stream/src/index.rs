@@ -49,37 +49,34 @@ const FREQUENT: &[&str] = &[
 pub fn write_index(map: &Unit) -> Vec<u8> {
     let mut tables = Tables::default();
     tables.unit(map, 0);
-    index_bytes(
-        &tables.names,
-        [&tables.units, &tables.markers, &tables.fields],
-    )
+    let records = [&tables.units, &tables.markers, &tables.fields];
+    let mut out = head(tables.names.len(), records.map(Vec::len)).to_vec();
+    out.extend(records.map(Vec::as_slice).concat());
+    names_bytes(&tables.names, &mut out);
+    out
 }
 
-/// An index of names and records of units, markers and fields.
-pub(crate) fn index_bytes(names: &[&str], records: [&[u8]; 3]) -> Vec<u8> {
-    let [units, markers, fields] = records;
-    let counts = [
-        names.len(),
-        units.len() / UNIT,
-        markers.len() / MARKER,
-        fields.len() / FIELD,
-    ];
-    let text: usize = names.iter().map(|name| 2 + name.len()).sum();
-    let length: usize = records.iter().map(|records| records.len()).sum();
-    let mut out = Vec::with_capacity(MAGIC.len() + 20 + length + text);
-    out.extend(MAGIC);
-    out.extend(VERSION.to_le_bytes());
-    for count in counts {
-        out.extend((count as u32).to_le_bytes());
+/// Bytes of the head.
+pub(crate) const HEAD: usize = 24;
+
+/// The head of an index with so many names, and bytes of units, markers and fields.
+pub(crate) fn head(names: usize, [units, markers, fields]: [usize; 3]) -> [u8; HEAD] {
+    let counts = [names, units / UNIT, markers / MARKER, fields / FIELD];
+    let mut head = [0; HEAD];
+    head[..4].copy_from_slice(&MAGIC);
+    head[4..8].copy_from_slice(&VERSION.to_le_bytes());
+    for (place, count) in head[8..].as_chunks_mut().0.iter_mut().zip(counts) {
+        *place = (count as u32).to_le_bytes();
     }
-    for records in records {
-        out.extend_from_slice(records);
-    }
+    head
+}
+
+/// Appends the names of an index.
+pub(crate) fn names_bytes(names: &[&str], out: &mut Vec<u8>) {
     for name in names {
         out.extend((name.len() as u16).to_le_bytes());
         out.extend(name.as_bytes());
     }
-    out
 }
 
 /// A name: a frequent one takes no memory.

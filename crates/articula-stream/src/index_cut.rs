@@ -6,7 +6,7 @@
 
 use crate::cut::cut;
 use crate::error::StreamError;
-use crate::index::{FIELD, MARKER, UNIT, index_bytes, read_index, write_index};
+use crate::index::{FIELD, HEAD, MARKER, UNIT, head, names_bytes, read_index, write_index};
 use crate::records::{IndexRecords, LengthRecord, UnitRecord, length, unit};
 use crate::unit::{Marker, Unit};
 use std::collections::BTreeMap;
@@ -30,8 +30,8 @@ pub struct IndexedCut {
 /// [`write_index`] at once. `keeps` sees the label and the markers of a unit alone, and answers the same for
 /// the same ones; it may be asked once for many.
 ///
-/// Time is linear in the records of the index and in the bytes that stay; memory is that of the output,
-/// and at most the length of the stream.
+/// Time is linear in the records of the index and in the bytes that stay; memory is that of the output, its
+/// index and 24 bytes for each stretch that stays.
 ///
 /// # Errors
 /// As those four, which tell what is wrong of a stream or index that does not fit.
@@ -70,11 +70,13 @@ fn plain(stream: &[u8], index: &[u8], keeps: &dyn Fn(&Unit) -> bool) -> Option<I
         names: NewNames::new(records.names.len()),
         records: &records,
         open: Vec::with_capacity(DEPTH + 1),
-        bytes: Vec::with_capacity(stream.len()),
-        waiting: 0..0,
-        units: Vec::with_capacity(records.units.len()),
-        markers: Vec::with_capacity(records.markers.len()),
-        fields: Vec::with_capacity(records.fields.len()),
+        runs: Vec::new(),
+        copied: 0,
+        last: 0..0,
+        lengths: Vec::new(),
+        index: vec![0; HEAD],
+        markers: Vec::new(),
+        fields: Vec::new(),
     };
     let (mut markers, mut fields) = (records.markers, records.fields);
     let (units, rest) = records.units.as_chunks::<UNIT>();
@@ -120,10 +122,14 @@ struct Cutter<'a> {
     answers: Answers<'a>,
     names: NewNames<'a>,
     open: Vec<Open>,
-    bytes: Vec<u8>,
-    /// Bytes that stay and are not yet copied: those side by side at once.
-    waiting: Range<usize>,
-    units: Vec<u8>,
+    /// Bytes of the stream that stay, those side by side at once, but the last ones; and how many.
+    runs: Vec<Range<usize>>,
+    copied: usize,
+    last: Range<usize>,
+    /// Numbers that are written when the bytes are there, by the first byte of their record.
+    lengths: Vec<usize>,
+    /// The new index: room for its head, and the units.
+    index: Vec<u8>,
     markers: Vec<u8>,
     fields: Vec<u8>,
 }
@@ -190,7 +196,7 @@ impl<'a> Cutter<'a> {
         let lengths = fields.as_chunks::<FIELD>().0.iter().map(length);
         let ends = lengths.map(|field| field.map(|field| field.bits[1]));
         let kept = Kept {
-            record: self.units.len(),
+            record: self.index.len(),
             fields_end: ends.max().flatten().unwrap_or(0),
             start: [unit.start, self.at()],
             fields: self.fields.len()..self.fields.len() + fields.len(),
@@ -203,7 +209,7 @@ impl<'a> Cutter<'a> {
         let label = self.names.of(self.records, unit.label)?;
         record[24..26].copy_from_slice(&label.to_le_bytes());
         record[26..28].copy_from_slice(&unit.depth.to_le_bytes());
-        self.units.extend_from_slice(&record);
+        self.index.extend_from_slice(&record);
         for marker in markers.as_chunks::<MARKER>().0 {
             let [a, b, _, _, value @ ..] = *marker;
             let [c, d] = self
@@ -232,7 +238,7 @@ impl<'a> Cutter<'a> {
             let Some(kept) = open.kept else { continue };
             self.copy(open.at..open.end)?;
             let end = self.at();
-            let record = &mut self.units[kept.record..kept.record + UNIT];
+            let record = &mut self.index[kept.record..kept.record + UNIT];
             record[8..16].copy_from_slice(&(8 * end).to_le_bytes());
             if !kept.fields.is_empty() {
                 self.set_lengths(&kept, end)?;
@@ -241,49 +247,69 @@ impl<'a> Cutter<'a> {
         Some(())
     }
 
-    /// Moves the fields of a unit that ends at a byte of the output, and writes their values.
+    /// Moves the fields of a unit that ends at a byte of the output, and sets their values.
     fn set_lengths(&mut self, kept: &Kept, end: u64) -> Option<()> {
-        self.flush();
-        let (fields, _) = self.fields[kept.fields.clone()].as_chunks_mut::<FIELD>();
-        for record in fields {
-            let field: LengthRecord = length(record)?;
+        for at in kept.fields.clone().step_by(FIELD) {
+            let (record, _) = self.fields[at..].split_first_chunk_mut::<FIELD>()?;
+            let field = length(record)?;
             let [from, to] = field.bits.map(|bit| bit - 8 * kept.start[0]);
             let bits = 8 * kept.start[1] + from..8 * kept.start[1] + to;
             let value = (8 * end - bits.end) / 8;
-            field.coding.write(&mut self.bytes, &bits, value).ok()?;
             record[..8].copy_from_slice(&bits.start.to_le_bytes());
             record[8..16].copy_from_slice(&value.to_le_bytes());
+            self.lengths.push(at);
         }
         Some(())
     }
 
+    /// Keeps bytes of the stream.
     fn copy(&mut self, bytes: Range<u64>) -> Option<()> {
         let bytes = usize::try_from(bytes.start).ok()?..usize::try_from(bytes.end).ok()?;
-        if self.waiting.end != bytes.start {
-            self.flush();
-            self.waiting.start = bytes.start;
+        if self.last.end != bytes.start {
+            self.end_run();
+            self.last.start = bytes.start;
         }
-        self.waiting.end = bytes.end;
+        self.last.end = bytes.end;
         Some(())
     }
 
-    fn flush(&mut self) {
-        let bytes = self.stream.get(self.waiting.clone()).unwrap_or_default();
-        self.bytes.extend_from_slice(bytes);
-        self.waiting.start = self.waiting.end;
+    fn end_run(&mut self) {
+        if !self.last.is_empty() {
+            self.copied += self.last.len();
+            self.runs.push(self.last.clone());
+        }
     }
 
-    /// Number of bytes of the output.
+    /// Number of bytes of the output so far.
     fn at(&self) -> u64 {
-        (self.bytes.len() + self.waiting.len()) as u64
+        (self.copied + self.last.len()) as u64
     }
 
     fn finish(mut self) -> Option<IndexedCut> {
-        self.flush();
-        self.bytes.shrink_to_fit();
+        self.end_run();
+        let mut bytes = Vec::with_capacity(self.copied);
+        for run in &self.runs {
+            bytes.extend_from_slice(self.stream.get(run.clone())?);
+        }
+        for at in &self.lengths {
+            let (record, _) = self.fields[*at..].split_first_chunk::<FIELD>()?;
+            let field: LengthRecord = length(record)?;
+            let written = field.coding.write(&mut bytes, &field.range(), field.value);
+            written.ok()?;
+        }
+        let records = [
+            self.index.len() - HEAD,
+            self.markers.len(),
+            self.fields.len(),
+        ];
+        let head = head(self.names.new.len(), records);
+        self.index[..HEAD].copy_from_slice(&head);
+        self.index.extend_from_slice(&self.markers);
+        self.index.extend_from_slice(&self.fields);
+        names_bytes(&self.names.new, &mut self.index);
         Some(IndexedCut {
-            bytes: self.bytes,
-            index: index_bytes(&self.names.new, [&self.units, &self.markers, &self.fields]),
+            bytes,
+            index: self.index,
         })
     }
 }

@@ -3,9 +3,6 @@
 use super::*;
 use articula_mutate::{Edit, Mutations};
 
-/// Magic, version, the numbers of names, units, markers and fields.
-const HEAD: usize = 24;
-
 fn map() -> Unit {
     let field = |name: &'static str, bits, coding, meaning| Field {
         name: name.into(),
