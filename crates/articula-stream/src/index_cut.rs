@@ -181,7 +181,7 @@ impl<'a> Cutter<'a> {
             let field = length(record)?;
             let [start, end] = field.bits;
             let is_within = start >= 8 * unit.start && end <= unit.end.checked_mul(8)?;
-            self.records.name(field.name)?;
+            self.records.names.get(usize::from(field.name))?;
             field.coding.check(&field.range(), field.value).ok()?;
             let found = field.coding.read(self.stream, &field.range()).ok()?;
             if !is_within || found != field.value {
