@@ -2,9 +2,10 @@
 
 use crate::error::ServeError;
 use crate::metrics::Metrics;
-use crate::objects::{Objects, write};
+use crate::objects::{Objects, remove, write};
 use crate::options::ServeOptions;
 use crate::record::{Records, Served, read};
+use articula::Format;
 use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -14,7 +15,7 @@ use tokio::sync::watch;
 /// Folder of what the server makes, in that of the characters.
 const MADE: &str = ".articula";
 /// Extensions of files that hold all of a character.
-const EXTENSIONS: [&str; 2] = ["glb", "vrm"];
+const EXTENSIONS: [&str; 3] = ["glb", "vrm", "fbx"];
 /// Longest name in bytes.
 const LONGEST: usize = 100;
 
@@ -76,7 +77,7 @@ struct Shared {
 }
 
 impl Catalogue {
-    /// Opens a folder: every `.glb` and `.vrm` in it is a character, by the name of the file without its
+    /// Opens a folder: every `.glb`, `.vrm` and `.fbx` in it is a character, by the name of the file without its
     /// extension. What was packaged before is ready at once.
     ///
     /// # Errors
@@ -133,11 +134,23 @@ impl Catalogue {
     /// Stores a character under a name, which then waits to be packaged; one of this name is replaced.
     ///
     /// # Errors
-    /// [`ServeError::Name`], and [`ServeError::Store`].
+    /// [`ServeError::Name`], [`ServeError::Form`] for other bytes than those of a binary glTF or an FBX, and
+    /// [`ServeError::Store`].
     pub fn put(&self, name: &str, bytes: &[u8]) -> Result<CharacterState, ServeError> {
         check_name(name)?;
-        let file = self.0.root.join(format!("{name}.glb"));
+        let extension = match Format::from_bytes(bytes, "") {
+            Some(Format::Glb) => "glb",
+            Some(Format::Fbx) => "fbx",
+            _ => return Err(ServeError::Form),
+        };
+        let file = self.0.root.join(format!("{name}.{extension}"));
         write(&file, bytes)?;
+        let before = read_lock(&self.0.characters)
+            .get(name)
+            .map(|c| c.file.clone());
+        if let Some(before) = before.filter(|before| *before != file) {
+            remove(&before)?;
+        }
         self.add(name.to_owned(), file)
     }
 

@@ -18,6 +18,9 @@ pub enum ServeError {
         "\"{0}\": a name has 1 to 100 letters, digits, `-`, `_` and `.`, and does not begin with `.`"
     )]
     Name(String),
+    /// Bytes that are no character which holds all its data.
+    #[error("the body is no binary glTF (.glb, .vrm) and no .fbx")]
+    Form,
     /// A character cannot be opened or packaged.
     #[error(transparent)]
     Character(#[from] articula::Error),

@@ -110,6 +110,7 @@ impl IntoResponse for ServeError {
     fn into_response(self) -> Response {
         let status = match &self {
             Self::Name(_) | Self::Character(_) => StatusCode::BAD_REQUEST,
+            Self::Form => StatusCode::UNSUPPORTED_MEDIA_TYPE,
             Self::Store { .. } | Self::Network(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
         fault(status, self.to_string())
@@ -177,10 +178,6 @@ async fn put_character(
             StatusCode::UNAUTHORIZED,
             "Authorization: Bearer TOKEN is missing or wrong",
         );
-    }
-    if !body.starts_with(b"glTF") {
-        let what = "the body is no binary glTF (.glb, .vrm), which begins with \"glTF\"";
-        return fault(StatusCode::UNSUPPORTED_MEDIA_TYPE, what);
     }
     let stored = blocking(move || {
         let state = catalogue.put(&name, &body)?;

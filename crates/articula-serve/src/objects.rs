@@ -106,6 +106,11 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), ServeError> {
     })
 }
 
+/// Removes a file.
+pub(crate) fn remove(path: &Path) -> Result<(), ServeError> {
+    fs::remove_file(path).map_err(|error| ServeError::store(path, &error))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -40,7 +40,7 @@ pub(crate) fn list(states: &[(String, CharacterState)]) -> String {
     };
     let empty = match states.is_empty() {
         true => {
-            "<p>The folder has no <code>.glb</code> or <code>.vrm</code>; put one there and start the server again, or send one by <code>PUT /v1/characters/NAME</code>.\n"
+            "<p>The folder has no <code>.glb</code>, <code>.vrm</code> or <code>.fbx</code>; put one there and start the server again, or send one by <code>PUT /v1/characters/NAME</code>.\n"
         }
         false => "",
     };

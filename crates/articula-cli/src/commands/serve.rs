@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// Arguments of `serve`.
 #[derive(Debug, Args)]
 pub(crate) struct ServeArgs {
-    /// Folder of characters (.glb, .vrm); what is made of them goes to .articula in it
+    /// Folder of characters (.glb, .vrm, .fbx); what is made of them goes to .articula in it
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Address and port to listen on; port 0 chooses one
