@@ -131,7 +131,8 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(BINARY)
 }
 
-/// The version that the file states, times 1000: 7400 for 7.4.
+/// The version that the file states, times 1000: 7400 for 7.4. Text states it in its first comment or in its
+/// header.
 pub(super) fn version(bytes: &[u8]) -> Option<u32> {
     if is_binary(bytes) {
         let stated = bytes.get(23..27)?.try_into().ok()?;
@@ -141,9 +142,30 @@ pub(super) fn version(bytes: &[u8]) -> Option<u32> {
         });
     }
     let start = &bytes[..bytes.len().min(2048)];
-    let key: &[u8] = b"FBXVersion:";
-    let at = start.windows(key.len()).position(|w| w == key)?;
-    let digits = start[at + key.len()..].trim_ascii_start();
+    let behind = |key: &[u8]| {
+        let at = start.windows(key.len()).position(|w| w == key)?;
+        Some(start[at + key.len()..].trim_ascii_start())
+    };
+    if let Some([major, b'.', minor, b'.', patch, ..]) = behind(b"; FBX") {
+        let digit = |byte: &u8| char::from(*byte).to_digit(10);
+        return Some(digit(major)? * 1000 + digit(minor)? * 100 + digit(patch)? * 10);
+    }
+    let digits = behind(b"FBXVersion:")?;
     let length = digits.iter().take_while(|b| b.is_ascii_digit()).count();
     std::str::from_utf8(&digits[..length]).ok()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::version;
+
+    #[test]
+    fn versions_stand_in_comments_and_headers() {
+        assert_eq!(version(b"; FBX 6.1.0 project file\n"), Some(6100));
+        let header = b"FBXHeaderExtension:  {\n\tFBXHeaderVersion: 1003\n\tFBXVersion: 7300\n";
+        assert_eq!(version(header), Some(7300));
+        assert_eq!(version(b"Objects:  {\n"), None);
+        let big = b"Kaydara FBX Binary  \0\x1a\x01\0\0\x1c\xe8";
+        assert_eq!(version(big), Some(7400));
+    }
 }

@@ -56,7 +56,7 @@ pub(super) fn repair<'b>(bytes: &'b [u8], depth: usize, kinds: &mut Kinds) -> Re
     };
     let odd = walk(bytes, depth, &mut |record| search.visit(record));
     search.close_mesh();
-    if version.is_none_or(|v| v >= OBJECTS) {
+    if version.is_none_or(|v| v >= OBJECTS) && !search.objects.is_empty() {
         search.connect();
     }
     let (edits, unit_metres, geometric) = (search.edits, search.unit_metres, search.geometric);
