@@ -2,6 +2,7 @@
 //! hostile files.
 
 mod hostile;
+mod legacy;
 mod mutated;
 mod repairs;
 mod shipped;
