@@ -10,6 +10,7 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::source::{Primitive, Skin};
 use glam::{Affine3A, DAffine3};
+use std::collections::HashMap;
 
 /// Maximum number of influences of a vertex.
 const MOST: usize = 8;
@@ -114,20 +115,23 @@ impl Influences<'_> {
         primitive: &mut Primitive,
     ) -> Result<(), ReadError> {
         let mut lost = 0.0_f64;
-        let mut lists = Vec::with_capacity(points.len());
+        let mut of_point: HashMap<u32, Vec<(u16, f32)>> = HashMap::new();
         for point in points {
-            let (list, cut) = self.of_point(*point);
-            lost = lost.max(cut);
-            lists.push(list);
+            of_point.entry(*point).or_insert_with(|| {
+                let (list, cut) = self.of_point(*point);
+                lost = lost.max(cut);
+                list
+            });
         }
         if lost > 0.0 {
             let what = "a vertex has more than 8 joints; those with the least weights are left out";
             reader.kinds.note(|| "skins".to_owned(), what);
         }
-        let most = lists.iter().map(Vec::len).max().unwrap_or(1);
+        let most = of_point.values().map(Vec::len).max().unwrap_or(1);
         reader.charge("skin", points.len().saturating_mul(2 * most))?;
         primitive.influences = most;
-        for list in lists {
+        for point in points {
+            let list = &of_point[point];
             for slot in 0..most {
                 let (entry, weight) = list.get(slot).copied().unwrap_or((0, 0.0));
                 primitive.joints.push(entry);
@@ -147,11 +151,15 @@ impl Influences<'_> {
             if !(weight > 0.0 && weight.is_finite()) {
                 continue;
             }
-            match list.iter_mut().find(|(known, _)| *known == entry) {
-                Some((_, sum)) => *sum += weight,
-                None => list.push((entry, weight)),
-            }
+            list.push((entry, weight));
         }
+        // Equal joints stand beside each other, and become one.
+        list.sort_by_key(|(entry, _)| *entry);
+        list.dedup_by(|b, a| {
+            let is_same = a.0 == b.0;
+            a.1 += if is_same { b.1 } else { 0.0 };
+            is_same
+        });
         list.sort_by(|a, b| b.1.total_cmp(&a.1));
         let whole: f64 = list.iter().map(|l| l.1).sum();
         list.truncate(MOST);

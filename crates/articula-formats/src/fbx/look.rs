@@ -7,6 +7,7 @@ use super::scene::Texture;
 use super::source::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
+use crate::words::shortened;
 use crate::{Resolver, uri};
 use articula_core::source::{Image, Material, TextureWrap};
 use glam::{Vec3, Vec4};
@@ -96,7 +97,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         if let Some(known) = self.of_path.get(key) {
             return Ok(*known);
         }
-        let at = format!("picture \"{}\"", key.chars().take(80).collect::<String>());
+        let at = format!("picture \"{}\"", shortened(last_part(key)));
         let bytes = match texture.content() {
             [] => match self.beside(texture) {
                 Ok(bytes) => Some(bytes),
@@ -147,7 +148,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         for path in asked {
             match (self.resolver)(&path) {
                 Ok(bytes) => return Ok(bytes),
-                Err(why) => reason = format!("{name}: {why}"),
+                Err(why) => reason = why,
             }
         }
         Err(reason)

@@ -121,7 +121,13 @@ pub(super) fn apply(
             positions: vec![Vec3::ZERO; points.len()],
             normals: vec![Vec3::ZERO; if bends { points.len() } else { 0 }],
         };
+        // A point may be named twice; both offsets count.
+        let mut of_point: HashMap<u32, (DVec3, DVec3)> = HashMap::new();
         for (point, offset, normal) in reader.scene.shape(target.shape) {
+            let (moved, bent) = of_point.entry(point).or_default();
+            (*moved, *bent) = (*moved + offset, *bent + normal);
+        }
+        for (point, (offset, normal)) in of_point {
             let offset = finite(place.matrix3 * offset);
             let normal = finite(normal_matrix * normal);
             for &vertex in vertices.get(&point).into_iter().flatten() {

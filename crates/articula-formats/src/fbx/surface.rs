@@ -30,7 +30,8 @@ pub(super) fn meshes(
         meshes: Vec::new(),
         targets: Vec::new(),
     };
-    let geometric: Vec<i64> = geometric.iter().copied().collect();
+    let mut geometric: Vec<i64> = geometric.iter().copied().collect();
+    geometric.sort_unstable();
     for (index, node) in reader.scene.nodes.iter().enumerate() {
         let Some((mesh, joint)) = node.mesh.zip(bones.joint_of_node[index]) else {
             continue;

@@ -104,7 +104,7 @@ fn settle<T>(values: &mut Vec<T>, near: impl Fn(&T, &T) -> bool) {
 
 /// Evaluates the takes that move anything.
 pub(super) fn sampled(reader: &mut Reader<'_>) -> Result<Vec<Take>, ReadError> {
-    let stacks = reader.scene.stacks();
+    let stacks = reader.scene.stacks()?;
     let keys: usize = stacks.iter().map(|stack| stack.key_count).sum();
     let mut work = keys.saturating_mul(WORK_PER_KEY).saturating_add(WORK);
     let mut takes = Vec::new();

@@ -163,7 +163,7 @@ pub fn fit_clips(
         articulation: &articulations.1,
         clips: &character.character().clips,
     };
-    // A motion in FBX has the pose of its first frame as its rest.
+    // The rest of a motion in FBX may be its first frame.
     let is_posed = file.format() == Format::Fbx && file.character().meshes.is_empty();
     let posed = || Twins::of_posed(from, &clips, onto);
     let is_hands = file.hands().is_some() && is_hands_alone(&from_figure);

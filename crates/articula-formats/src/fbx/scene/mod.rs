@@ -116,9 +116,11 @@ impl Scene {
         self.file.settings().creator()
     }
 
-    /// Whether a node has this number.
+    /// Whether the number of a node is one of these, which rise.
     pub(in crate::fbx) fn is_called(&self, node: usize, ids: &[i64]) -> bool {
-        self.nodes[node].id.is_some_and(|id| ids.contains(&id))
+        self.nodes[node]
+            .id
+            .is_some_and(|id| ids.binary_search(&id).is_ok())
     }
 
     /// Numbers of cameras and lights.

@@ -3,6 +3,7 @@
 use super::faults::read_error;
 use super::{Local, Scene};
 use crate::error::ReadError;
+use crate::limits::Limits;
 use articula_core::source::JUMP_SECS;
 use fbx_rs::{AnimationBinding, Interpolation};
 
@@ -21,6 +22,10 @@ const PLACING: [&[u8]; 12] = [
     b"GeometricRotation",
     b"GeometricScaling",
 ];
+
+/// Maximum number of animated properties of all takes, and of their keys, however many share them.
+const MAX_BINDINGS: u64 = 1 << 22;
+const MAX_KEYS: u64 = 1 << 26;
 
 /// A take of the file.
 pub(in crate::fbx) struct Stack {
@@ -57,9 +62,23 @@ impl Moment {
 
 impl Scene {
     /// The takes, in the order of the file.
-    pub(in crate::fbx) fn stacks(&self) -> Vec<Stack> {
-        let stacks = self.file.animation_stacks().iter();
-        stacks.map(|stack| self.stack(stack)).collect()
+    ///
+    /// # Errors
+    /// [`ReadError::LimitExceeded`] if takes share so many properties or keys that looking at them takes long.
+    pub(in crate::fbx) fn stacks(&self) -> Result<Vec<Stack>, ReadError> {
+        let stacks = || self.file.animation_stacks().iter();
+        let layers = stacks().flat_map(|stack| &stack.layers);
+        let layers = layers.map(|&at| &self.file.animation_layers()[at]);
+        let bindings: usize = layers.clone().map(|layer| layer.bindings.len()).sum();
+        let which = "animated properties of all takes";
+        Limits::check("takes", which, bindings as u64, MAX_BINDINGS)?;
+        let values = layers.flat_map(|layer| &layer.bindings).map(|b| b.value);
+        let curves = values.flat_map(|at| self.file.animation_values()[at].curves);
+        let lengths =
+            curves.map(|at| at.map_or(0, |at| self.file.animation_curves()[at].keys.len()));
+        let keys: usize = lengths.sum();
+        Limits::check("takes", "keys of all takes", keys as u64, MAX_KEYS)?;
+        Ok(stacks().map(|stack| self.stack(stack)).collect())
     }
 
     fn stack(&self, stack: &fbx_rs::AnimationStack) -> Stack {
