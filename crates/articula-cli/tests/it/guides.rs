@@ -91,6 +91,7 @@ fn the_guide_to_adaptation_runs() {
     std::fs::write(folder.join("phone.xml"), phone).unwrap();
     let server = json!({"network": {"max_capacity_bps": 2_000_000}});
     std::fs::write(folder.join("server.json"), server.to_string()).unwrap();
+    std::fs::write(folder.join("train.csv"), "0 120000\n6 0\n14 120000\n").unwrap();
     run("docs/adaptation.md", &folder, &[]);
 }
 
