@@ -37,6 +37,15 @@ fn request(address: &str, head: &str, body: &[u8]) -> String {
     answer
 }
 
+/// Checks that a server of a folder within another one answers.
+pub(crate) fn answers(within: &Path, folder: &str) {
+    let (mut server, address) = started(&within.join(folder), &[]);
+    let answer = request(&address, "GET / HTTP/1.1\r\n", b"");
+    server.kill().unwrap();
+    server.wait().unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
+}
+
 #[test]
 fn what_was_taken_is_there_after_a_kill() {
     let folder = folder("serve-kill");
