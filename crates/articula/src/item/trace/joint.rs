@@ -174,13 +174,12 @@ impl JointChoice {
         steps
     }
 
-    /// The base of the first play within some seconds that has none yet.
+    /// The base of the first play that has none yet, if it begins within some seconds.
     fn base(&self, view: &View<'_>, within_secs: f64) -> Option<Vec<usize>> {
-        let least = &view.content.ladder.levels[0];
-        let mut missing = view
-            .ahead(within_secs)
-            .map(|play| view.missing(play, least));
-        missing.find(|pieces| !pieces.is_empty())
+        let play = view.first_unready();
+        let is_near =
+            play < view.content.timeline.plays.len() && view.until_start(play) < within_secs;
+        is_near.then(|| view.missing(play, &view.content.ladder.levels[0]))
     }
 }
 

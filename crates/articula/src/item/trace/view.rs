@@ -3,6 +3,7 @@
 use super::content::Content;
 use super::ladder::Kept;
 use articula_stream::decide::Transfer;
+use std::collections::BTreeSet;
 
 /// Time ahead that counts for what is fetched next, seconds.
 pub(super) const HORIZON_SECS: f64 = 10.0;
@@ -77,10 +78,24 @@ impl View<'_> {
 
     /// The first play that has not begun and lacks its base; the number of all without one.
     pub(super) fn first_unready(&self) -> usize {
-        let plays = &self.content.timeline.plays;
-        let mut rest = self.next_play..plays.len();
-        let missing = rest.find(|play| !self.content.is_ready(self.has, &plays[*play]));
-        missing.unwrap_or(plays.len())
+        let (content, timeline) = (self.content, &self.content.timeline);
+        let least = &content.ladder.levels[0];
+        if !content.missing_of_shape(self.has, least).is_empty() {
+            return self.next_play;
+        }
+        // Access units play again and again.
+        let count: usize = timeline.motions.iter().map(|m| m.units.len()).sum();
+        let mut seen = BTreeSet::new();
+        for play in self.next_play..timeline.plays.len() {
+            let of = &timeline.plays[play];
+            if seen.len() == count {
+                break;
+            }
+            if seen.insert((of.motion, of.unit)) && !self.missing_of_play(play, least).is_empty() {
+                return play;
+            }
+        }
+        timeline.plays.len()
     }
 
     /// Seconds that play on without another request.
