@@ -5,13 +5,13 @@ use crate::real;
 
 #[test]
 fn a_folder_of_motions_becomes_the_clips_of_a_figure() {
-    if !real::data_is_here() {
+    let Some(files) = real::fbx_folder() else {
         return;
-    }
+    };
     let here = folder("fbx-motions");
     let motions = here.join("motions");
     std::fs::create_dir_all(&motions).unwrap();
-    let run = std::fs::read(real::data_folder().join("../fbx/pab_run.fbx")).unwrap();
+    let run = std::fs::read(files.join("pab_run.fbx")).unwrap();
     for name in ["Fast Run.fbx", "Run.fbx"] {
         std::fs::write(motions.join(name), &run).unwrap();
     }

@@ -13,8 +13,7 @@ const DEGREES: f32 = 1.0;
 const METRES: f32 = 2e-3;
 
 fn opened(name: &str) -> Option<CharacterFile> {
-    real::real_data()?;
-    Some(fs::open(real::data_folder().join("../fbx").join(name)).unwrap())
+    Some(fs::open(real::fbx_folder()?.join(name)).unwrap())
 }
 
 /// Local poses and model matrices of the first clip that is transferred to a character.

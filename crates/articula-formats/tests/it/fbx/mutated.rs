@@ -129,13 +129,12 @@ const LARGE: [&str; 5] = [
 #[test]
 #[allow(clippy::disallowed_methods, reason = "the test is about time")]
 fn mutants_of_real_files() {
-    let Some(folder) = real::real_data() else {
+    let Some(folder) = real::fbx_folder() else {
         return;
     };
     let told = std::env::var("ARTICULA_FBX_MUTANTS").ok();
     let tries = told.as_ref().map_or(3, |n| n.parse().unwrap());
     let large = LARGE.iter().filter(|_| told.is_some());
-    let folder = folder.parent().unwrap().join("fbx");
     for name in SMALL.iter().chain(large) {
         let good = std::fs::read(folder.join(format!("{name}.fbx"))).unwrap();
         let mutations = if name.ends_with("ascii") {

@@ -6,7 +6,6 @@ use crate::{real, world};
 use articula_core::source::{Character, Property, evaluate};
 use glam::{Affine3A, Vec3};
 use serde_json::Value;
-use std::path::PathBuf;
 
 /// Distance in metres from the other reader's values.
 const METRES: f32 = 1e-4;
@@ -24,13 +23,8 @@ struct Case {
     expected: Value,
 }
 
-/// The folder of the files, beside the other data.
-fn folder() -> Option<PathBuf> {
-    Some(real::real_data()?.parent()?.join("fbx"))
-}
-
 fn case(name: &str) -> Option<Case> {
-    let folder = folder()?;
+    let folder = real::fbx_folder()?;
     let bytes = std::fs::read(folder.join(format!("{name}.fbx"))).unwrap();
     let of = |stem: String| std::fs::read(folder.join("expected").join(stem + ".json"));
     let expected = of(name.to_owned())

@@ -28,6 +28,18 @@ pub(crate) fn real_data() -> Option<PathBuf> {
     None
 }
 
+/// Returns the folder of FBX files, which lies beside that of the other real files; `None`, with a printed
+/// line, as [`real_data`].
+pub(crate) fn fbx_folder() -> Option<PathBuf> {
+    let folder = data_folder().join("../fbx");
+    if folder.join("MANIFEST.md").is_file() {
+        return Some(folder);
+    }
+    assert!(!is_required(), "{} is required", folder.display());
+    println!("skipped: no FBX files");
+    None
+}
+
 /// Returns whether the real files exist; prints a line or fails like [`real_data`].
 pub(crate) fn data_is_here() -> bool {
     real_data().is_some()
