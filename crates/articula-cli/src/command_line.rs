@@ -2,7 +2,7 @@
 
 use crate::commands::{
     adapt, build, completions, convert, crowd, demo, flatten, gbsd, human, inspect, lod, package,
-    serve,
+    play, serve,
 };
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
@@ -74,6 +74,8 @@ pub(crate) enum Command {
     Adapt(adapt::AdaptArgs),
     /// Serve a folder of characters over HTTP as digital items, from the first stage of packaging on
     Serve(serve::ServeArgs),
+    /// Show a served character in the terminal while it arrives; report times and bytes
+    Play(play::PlayArgs),
     /// Print the description of a stream after MPEG-21 (gBSD), or the stylesheet that adapts it
     Gbsd(gbsd::GbsdArgs),
     /// Print a completion script for a shell
@@ -95,6 +97,7 @@ impl Command {
             Self::Package(args) => package::run(args, console),
             Self::Adapt(args) => adapt::run(args, console),
             Self::Serve(args) => serve::run(args, console),
+            Self::Play(args) => play::run(args, console),
             Self::Gbsd(args) => gbsd::run(args, console),
             Self::Completions(args) => completions::run(args, CommandLine::command(), console),
         }

@@ -65,6 +65,11 @@ impl Console {
         print(&out)
     }
 
+    /// Whether results are JSON.
+    pub(crate) fn is_json(&self) -> bool {
+        self.answer == Answer::Json
+    }
+
     /// Prints an error on one line.
     pub(crate) fn fault(&self, error: &anyhow::Error) {
         complain(&fault::line(error));

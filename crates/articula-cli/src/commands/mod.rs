@@ -12,4 +12,5 @@ pub(crate) mod human;
 pub(crate) mod inspect;
 pub(crate) mod lod;
 pub(crate) mod package;
+pub(crate) mod play;
 pub(crate) mod serve;

@@ -58,6 +58,10 @@ fn run(name: &str, folder: &Path, more: &[&str]) {
             serving::answers(folder, of);
             continue;
         }
+        if words[0] == "play" {
+            // Tested where a server goes on.
+            continue;
+        }
         let ran = articula(folder, &[&words[..], more].concat());
         assert_eq!(ran.status, 0, "{name}: {command}: {}", ran.err);
     }

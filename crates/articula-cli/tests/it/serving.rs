@@ -1,13 +1,25 @@
 //! `serve` as a process: it says where it listens, keeps what it was given, and ends when it is asked to.
 
-use crate::program::{fault, folder};
+use crate::program::{fault, folder, json};
+use articula::flat::Picture;
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
+/// A server, which ends with the test.
+struct Server(Child);
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 /// A server of a folder, with its address.
-fn started(folder: &Path, arguments: &[&str]) -> (Child, String) {
+fn started(folder: &Path, arguments: &[&str]) -> (Server, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_articula"))
         .args(["--json", "serve"])
         .arg(folder)
@@ -23,7 +35,7 @@ fn started(folder: &Path, arguments: &[&str]) -> (Child, String) {
         .unwrap();
     let address = url.split("http://").nth(1).unwrap();
     let address = address.split('/').next().unwrap().to_owned();
-    (child, address)
+    (Server(child), address)
 }
 
 fn request(address: &str, head: &str, body: &[u8]) -> String {
@@ -39,22 +51,20 @@ fn request(address: &str, head: &str, body: &[u8]) -> String {
 
 /// Checks that a server of a folder within another one answers.
 pub(crate) fn answers(within: &Path, folder: &str) {
-    let (mut server, address) = started(&within.join(folder), &[]);
+    let (server, address) = started(&within.join(folder), &[]);
     let answer = request(&address, "GET / HTTP/1.1\r\n", b"");
-    server.kill().unwrap();
-    server.wait().unwrap();
+    drop(server);
     assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
 }
 
 #[test]
 fn what_was_taken_is_there_after_a_kill() {
     let folder = folder("serve-kill");
-    let (mut server, address) = started(&folder, &["--token", "t"]);
+    let (server, address) = started(&folder, &["--token", "t"]);
     let put = "PUT /v1/characters/man HTTP/1.1\r\nAuthorization: Bearer t\r\n";
     let answer = request(&address, put, b"glTF, but nothing more");
     assert!(answer.starts_with("HTTP/1.1 202"), "{answer}");
-    server.kill().unwrap();
-    server.wait().unwrap();
+    drop(server);
     let stored = std::fs::read(folder.join("man.glb")).unwrap();
     assert_eq!(stored, b"glTF, but nothing more");
 
@@ -63,12 +73,11 @@ fn what_was_taken_is_there_after_a_kill() {
     assert!(list.contains("\"name\":\"man\""), "{list}");
     #[cfg(unix)]
     {
-        let asked = Command::new("kill").arg(server.id().to_string()).status();
+        let asked = Command::new("kill").arg(server.0.id().to_string()).status();
         assert!(asked.unwrap().success());
-        assert!(server.wait().unwrap().success(), "it ends as it should");
+        assert!(server.0.wait().unwrap().success(), "it ends as it should");
     }
-    #[cfg(not(unix))]
-    server.kill().unwrap();
+    drop(server);
 }
 
 #[test]
@@ -79,9 +88,61 @@ fn addresses_that_others_reach_and_missing_folders_are_refused() {
     assert!(why.contains("--token"), "{why}");
     let why = fault(&folder, 2, &["serve", "nowhere"]);
     assert!(why.contains("nowhere"), "{why}");
-    let (mut server, address) = started(&folder, &[]);
+    let (server, address) = started(&folder, &[]);
     let why = fault(&folder, 1, &["serve", path, "--addr", &address]);
     assert!(why.contains("another port"), "{why}");
-    server.kill().unwrap();
-    server.wait().unwrap();
+    drop(server);
+}
+
+#[test]
+fn a_served_character_is_shown_from_its_base_on() {
+    let here = folder("serve-play");
+    let characters = here.join("characters");
+    std::fs::create_dir(&characters).unwrap();
+    let case =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../articula-formats/tests/cases/base.glb");
+    std::fs::copy(case, characters.join("walker.glb")).unwrap();
+    let (server, address) = started(&characters, &[]);
+    let url = format!("http://{address}");
+    let played = json(
+        &here,
+        &["play", &url, "--frames", "frames", "--seconds", "0.2"],
+    );
+    assert_eq!(played["name"], "walker");
+    let arrived = played["arrived"].as_array().unwrap();
+    assert!(arrived[0]["clips"] == 1 && arrived[0]["triangles"].as_u64() > Some(4));
+    let pictures = played["pictures"].as_u64().unwrap();
+    let first = std::fs::read(here.join("frames/00000.png")).unwrap();
+    let picture = Picture::decode(&first).unwrap();
+    let last = here.join(format!("frames/{:05}.png", pictures - 1));
+    assert!(pictures >= 2 && last.exists());
+    assert_ne!(std::fs::read(last).unwrap(), first, "it moves");
+    let colors: BTreeSet<[u8; 4]> = picture.pixels().iter().copied().collect();
+    assert!(colors.len() > 50, "a lit figure");
+    let slow = ["--json", "play", &url, "walker", "--bandwidth-kbps", "1"];
+    let why = fault(&here, 1, &slow);
+    assert!(why.contains("nothing fits"), "{why}");
+    drop(server);
+}
+
+#[test]
+fn what_cannot_be_played_is_told() {
+    let here = folder("serve-unplayable");
+    let characters = here.join("characters");
+    std::fs::create_dir(&characters).unwrap();
+    let (server, address) = started(&characters, &[]);
+    let url = format!("http://{address}");
+    let play = |status, more: &[&str]| fault(&here, status, &[&["--json", "play"], more].concat());
+    assert!(play(1, &[&url]).contains("no character"));
+    assert!(play(1, &[&url, "nobody"]).contains("no such character"));
+    assert!(play(2, &["https://example.org"]).contains("http://"));
+    std::fs::write(characters.join("broken.glb"), b"glTF").unwrap();
+    drop(server);
+    assert!(play(1, &[&url]).contains(&address));
+    let (server, address) = started(&characters, &[]);
+    let why = play(1, &[&format!("http://{address}/")]);
+    assert!(why.contains("broken.glb"), "{why}");
+    let terminal = fault(&here, 2, &["play", &format!("http://{address}")]);
+    assert!(terminal.contains("--frames"), "{terminal}");
+    drop(server);
 }

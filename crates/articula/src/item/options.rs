@@ -84,6 +84,8 @@ impl PackageOptions {
     pub(super) fn of_mesh(&self) -> MeshLevelOptions {
         MeshLevelOptions {
             split: self.split.clone(),
+            // What a client decodes is measured again.
+            full_every: 4,
             ..MeshLevelOptions::levels(self.mesh_levels.clamp(1, 16))
         }
     }

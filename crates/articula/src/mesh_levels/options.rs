@@ -3,7 +3,9 @@
 use super::KeptFace;
 use crate::error::{Context, Error, Result};
 use articula_build::MeshLevelOptions as BuildOptions;
-use articula_build::{ErrorWeighting, SimplifyOptions, region_weights, skin_regions};
+use articula_build::{
+    DistanceOptions, ErrorWeighting, SimplifyOptions, region_weights, skin_regions,
+};
 use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 
@@ -36,6 +38,9 @@ pub struct MeshLevelOptions {
     pub keep_face: bool,
     /// Whether the coarser levels are also written as `MSFT_lod` nodes.
     pub msft_lod: bool,
+    /// Of each so many poses the first is measured in full: means and percentiles of errors in motion are
+    /// those of these poses, maxima of all.
+    pub full_every: usize,
 }
 
 impl MeshLevelOptions {
@@ -51,6 +56,7 @@ impl MeshLevelOptions {
             locked: BTreeMap::new(),
             keep_face: true,
             msft_lod: false,
+            full_every: 1,
         }
     }
 
@@ -84,6 +90,10 @@ impl MeshLevelOptions {
         Ok(BuildOptions {
             simplify,
             max_error: self.max_error,
+            distance: DistanceOptions {
+                full_every: self.full_every,
+                ..DistanceOptions::default()
+            },
             ..BuildOptions::default()
         })
     }

@@ -124,6 +124,7 @@ impl MeshLevelArgs {
             locked: self.locked()?,
             keep_face: !self.free_face,
             msft_lod: self.msft_lod,
+            ..base
         }))
     }
 

@@ -1,0 +1,95 @@
+//! Pictures in a terminal: two pixels above each other are one character, a half block in two colours.
+
+use anyhow::Context;
+use articula::flat::Picture;
+use std::fmt::Write as _;
+use std::io::{IsTerminal, Write as _};
+use terminal_size::{Height, Width, terminal_size};
+
+/// Most columns and rows that are drawn.
+const MOST: (u16, u16) = (160, 60);
+
+/// A terminal.
+pub(crate) struct Screen {
+    columns: u32,
+    rows: u32,
+    is_cleared: bool,
+}
+
+impl Screen {
+    /// The terminal of standard output, if it is one.
+    pub(crate) fn new() -> Option<Self> {
+        if !std::io::stdout().is_terminal() {
+            return None;
+        }
+        let (Width(columns), Height(rows)) = terminal_size()?;
+        Some(Self {
+            columns: u32::from(columns.clamp(10, MOST.0)),
+            // The last one is for text.
+            rows: u32::from(rows.clamp(6, MOST.1)) - 1,
+            is_cleared: false,
+        })
+    }
+
+    /// Width and height of a picture that fills it, in pixels.
+    pub(crate) fn size(&self) -> (u32, u32) {
+        (self.columns, 2 * self.rows)
+    }
+
+    /// Draws a picture over the one before, and a line of text below it.
+    pub(crate) fn show(&mut self, picture: &Picture, below: &str) -> anyhow::Result<()> {
+        let mut text = String::new();
+        if !self.is_cleared {
+            text.push_str("\x1b[2J");
+            self.is_cleared = true;
+        }
+        text.push_str("\x1b[H");
+        text.push_str(&blocks(picture));
+        let line: String = below.chars().take(self.columns as usize).collect();
+        text.push_str(&line);
+        text.push_str("\x1b[K");
+        let mut out = std::io::stdout().lock();
+        let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+        written.context("standard output")
+    }
+}
+
+/// A picture as lines of half blocks; a color is named where it changes.
+fn blocks(picture: &Picture) -> String {
+    let mut text = String::new();
+    for row in 0..picture.height() / 2 {
+        let mut last = None;
+        for column in 0..picture.width() {
+            let of = |y| {
+                let [r, g, b, _] = picture.get(column, y).unwrap_or_default();
+                (r, g, b)
+            };
+            let colors = (of(2 * row), of(2 * row + 1));
+            if last != Some(colors) {
+                let ((r, g, b), (s, h, c)) = colors;
+                // Writing to a string cannot fail.
+                let _ = write!(text, "\x1b[38;2;{r};{g};{b};48;2;{s};{h};{c}m");
+                last = Some(colors);
+            }
+            text.push('▀');
+        }
+        text.push_str("\x1b[0m\r\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_rows_of_pixels_are_a_row_of_half_blocks() {
+        let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
+        let pixels = vec![red, red, red, blue, blue, red];
+        let picture = Picture::from_pixels(3, 2, pixels).unwrap();
+        let colors = |a: &str, b: &str| format!("\x1b[38;2;{a};48;2;{b}m");
+        let (red, blue) = ("255;0;0", "0;0;255");
+        let wanted = format!("{}▀▀{}▀\x1b[0m\r\n", colors(red, blue), colors(red, red));
+        assert_eq!(blocks(&picture), wanted);
+    }
+}

@@ -1,0 +1,109 @@
+//! Requests to a server of characters.
+
+use crate::fault::{self, clean};
+use anyhow::{Context, bail};
+use serde::Deserialize;
+use std::time::Duration;
+
+/// Longest time of a request; one that waits for news is answered within half of it.
+const TIMEOUT: Duration = Duration::from_secs(60);
+/// Most bytes of an answer.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// A server.
+pub(crate) struct Server {
+    agent: ureq::Agent,
+    /// Its address without the last `/`.
+    base: String,
+}
+
+/// What a server answered.
+pub(crate) struct Answer {
+    pub(crate) status: u16,
+    pub(crate) tag: String,
+    pub(crate) body: Vec<u8>,
+}
+
+/// What an answer of an error or of a character says.
+#[derive(Debug, Deserialize)]
+struct Said {
+    error: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct Listed {
+    name: String,
+}
+
+impl Server {
+    pub(crate) fn new(url: &str) -> anyhow::Result<Self> {
+        if !url.starts_with("http://") {
+            let what = format!(
+                "{}: expected an address that begins with http://",
+                clean(url)
+            );
+            return Err(fault::usage(what));
+        }
+        let config = ureq::Agent::config_builder();
+        let config = config
+            .timeout_global(Some(TIMEOUT))
+            .http_status_as_error(false);
+        Ok(Self {
+            agent: config.build().into(),
+            base: url.trim_end_matches('/').to_owned(),
+        })
+    }
+
+    /// The name of the only character of the server.
+    pub(crate) fn only_character(&self) -> anyhow::Result<String> {
+        let answer = self.get("/v1/characters", &[])?;
+        let expected = || format!("{}: this is no server of characters", self.base);
+        if answer.status != 200 {
+            bail!(expected());
+        }
+        let listed: Vec<Listed> = serde_json::from_slice(&answer.body).with_context(expected)?;
+        match listed.as_slice() {
+            [only] => Ok(only.name.clone()),
+            [] => bail!("{}: the server has no character", self.base),
+            all => {
+                let names: Vec<&str> = all.iter().map(|listed| listed.name.as_str()).collect();
+                let what = format!("name one of the characters {}", clean(&names.join(", ")));
+                Err(fault::usage(what))
+            }
+        }
+    }
+
+    /// Asks for what a path names.
+    pub(crate) fn get(&self, path: &str, headers: &[(&str, &str)]) -> anyhow::Result<Answer> {
+        let url = format!("{}{path}", self.base);
+        let mut request = self.agent.get(&url);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        let at = || url.clone();
+        let mut response = request.call().with_context(at)?;
+        let tag = response
+            .headers()
+            .get("etag")
+            .and_then(|tag| tag.to_str().ok());
+        Ok(Answer {
+            status: response.status().as_u16(),
+            tag: tag.unwrap_or_default().to_owned(),
+            body: {
+                let body = response.body_mut().with_config().limit(MOST_BYTES);
+                body.read_to_vec().with_context(at)?
+            },
+        })
+    }
+}
+
+impl Answer {
+    /// What the server says is wrong.
+    pub(crate) fn fault(&self) -> String {
+        let said: Option<Said> = serde_json::from_slice(&self.body).ok();
+        match said {
+            Some(said) => clean(&said.error),
+            None => format!("the server answers {}", self.status),
+        }
+    }
+}
