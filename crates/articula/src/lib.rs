@@ -30,6 +30,7 @@
 //! - [`face`]: facial animation parameters of MPEG-4 on the face of a character
 //! - [`clip_streams`]: motions of bodies and faces as streams that can be cut
 //! - [`item`]: a character as a digital item, a folder of streams that can be cut
+//! - [`client`]: digital items as they arrive over a network, and the sessions of a server
 //! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
 //! - [`impostor`]: a character as small pictures, for who is far away
 //! - [`evaluate`]: error and cost of motion level-of-detail methods on a clip
@@ -61,6 +62,8 @@
 //! `_deg`. +Y is up and a character faces +Z. Level 0 is the finest.
 
 mod camera_path;
+#[cfg(feature = "item")]
+pub mod client;
 #[cfg(feature = "streams")]
 pub mod clip_streams;
 pub mod convert;

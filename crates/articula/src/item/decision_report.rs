@@ -97,13 +97,21 @@ impl DecisionReport {
 
     /// Returns the joint choice.
     pub fn of_choice(decided: &ItemDecision, adapted: &AdaptedItem) -> Self {
+        Self {
+            zones: zones(adapted),
+            ..Self::of_decision(decided)
+        }
+    }
+
+    /// Returns the joint choice without the zones that are kept, which only the adapted item tells.
+    pub fn of_decision(decided: &ItemDecision) -> Self {
         let decision = &decided.decision;
         let body = decided.chosen(PartKind::BodyMotion);
         Self {
             modality: decision.modality.clone(),
             by: "joint choice",
             loa: body.and_then(|option| option.loa),
-            zones: zones(adapted),
+            zones: Vec::new(),
             tier: body.map(|option| option.level),
             face_loa: decided
                 .chosen(PartKind::FaceMotion)

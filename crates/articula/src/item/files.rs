@@ -37,7 +37,7 @@ impl Item {
     }
 
     /// The item of a manifest, none of whose files is here: what can be decided about it can be.
-    pub(super) fn elsewhere(manifest: Manifest) -> Self {
+    pub(crate) fn elsewhere(manifest: Manifest) -> Self {
         Self {
             manifest,
             files: BTreeMap::new(),

@@ -29,6 +29,7 @@
 //! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
 //! - `decoded_mesh`, `shown`, `assemble`: from an item to a character
 //! - `wanted`, `pieces`, `receiver`: the same while its bytes arrive, in any order
+//! - `delivery`: an item in pieces, and the levels of quality that they make
 //! - `trace`: an item played over a recorded bandwidth
 //!
 //! ```no_run
@@ -55,6 +56,7 @@ mod carried;
 mod check;
 mod decision_report;
 mod decoded_mesh;
+pub(crate) mod delivery;
 mod documents;
 mod draft;
 mod face_part;
@@ -79,6 +81,7 @@ mod texture_part;
 mod trace;
 mod wanted;
 
+pub(crate) use adapt::texture_error_px;
 pub use adapt::{
     AdaptOptions, AdaptedItem, ItemCut, ItemDecision, ItemParts, PartLayers, Regions, Transform,
     adapt, adapt_by_description, aqos, decide, decide_by_table,
@@ -92,6 +95,6 @@ pub use options::{CarriedFile, FaceMotion, PackageOptions};
 pub use package::{StageCallback, package, package_in_stages};
 pub use part::{ItemLayer, ItemPart, MeshLevelEntry, PartKind, RegionEntry, TextureView};
 pub use receiver::{ItemChange, ItemReceiver};
-pub use sent::{FileEntry, compressed};
+pub use sent::{FileEntry, compressed, decompressed};
 pub use trace::{TraceOptions, TracePlayback, TracePlayer, TracePolicy, TraceSample};
 pub use wanted::ItemBytes;

@@ -1,7 +1,9 @@
 //! How the files of an item travel: their size when compressed, and their hash.
 
+use crate::error::{Error, Result};
 use brotli::enc::BrotliEncoderParams;
 use serde::{Deserialize, Serialize};
+use std::io::Read;
 
 /// Files above this size in bytes are compressed at the lower quality, as the higher one takes about two
 /// seconds a megabyte.
@@ -64,6 +66,27 @@ pub fn compressed(name: &str, bytes: &[u8]) -> Option<Vec<u8>> {
     let mut made = Vec::new();
     brotli::BrotliCompress(&mut &*bytes, &mut made, &options).ok()?;
     (made.len() < bytes.len()).then_some(made)
+}
+
+/// Returns the file of which these are the bytes with the content coding `br`.
+///
+/// # Errors
+/// An [`Error`] for bytes that are not of this coding, and more than `most` bytes in all.
+pub fn decompressed(bytes: &[u8], most: u64) -> Result<Vec<u8>> {
+    let mut made = Vec::new();
+    let reader = brotli::Decompressor::new(bytes, 4096);
+    let read = reader.take(most.saturating_add(1)).read_to_end(&mut made);
+    if let Err(error) = read {
+        return Err(Error::unsuited(format!(
+            "it is not compressed with br: {error}"
+        )));
+    }
+    match made.len() as u64 > most {
+        true => Err(Error::unsuited(format!(
+            "more than {most} bytes when decompressed"
+        ))),
+        false => Ok(made),
+    }
 }
 
 /// Whether a file is of a form that is compressed by itself.

@@ -24,6 +24,13 @@ impl ItemBytes {
         self.0.get(file).cloned().unwrap_or_default()
     }
 
+    /// Whether all bytes of a range of a file are among these.
+    pub(crate) fn has(&self, file: &str, range: &Range<u64>) -> bool {
+        let ranges = self.0.get(file).into_iter();
+        let mut ranges = ranges.flat_map(|ranges| ranges.ranges());
+        range.is_empty() || ranges.any(|r| r.start <= range.start && range.end <= r.end)
+    }
+
     /// Returns the number of bytes.
     pub fn bytes(&self) -> u64 {
         self.0.values().map(ByteRanges::bytes).sum()
@@ -39,7 +46,7 @@ impl ItemBytes {
     }
 
     /// Adds bytes of a file.
-    pub(super) fn add(&mut self, file: &str, more: impl IntoIterator<Item = Range<u64>>) {
+    pub(crate) fn add(&mut self, file: &str, more: impl IntoIterator<Item = Range<u64>>) {
         let more: ByteRanges = more.into_iter().collect();
         let known = self.0.entry(file.to_owned()).or_default();
         *known = known.union(&more);

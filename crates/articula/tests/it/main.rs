@@ -21,6 +21,7 @@ mod crowd_impostors;
 mod crowd_measured;
 mod crowd_roles;
 mod crowd_vertices;
+mod delivered_items;
 mod face_errors;
 mod face_joints;
 mod faces;

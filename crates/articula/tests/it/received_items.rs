@@ -27,7 +27,7 @@ fn options() -> PackageOptions {
 }
 
 /// Mesh levels, two motions of the body and a texture.
-fn textured() -> Option<&'static Item> {
+pub(crate) fn textured() -> Option<&'static Item> {
     static ITEM: OnceLock<Option<Item>> = OnceLock::new();
     let made = || {
         let mut file = shortened(fs::open(real::file("glb/CesiumMan.glb")?).unwrap(), 0.3);
@@ -70,7 +70,7 @@ fn speaking() -> Option<&'static Item> {
     ITEM.get_or_init(made).as_ref()
 }
 
-fn manifest(item: &Item) -> Vec<u8> {
+pub(crate) fn manifest(item: &Item) -> Vec<u8> {
     let mut files = item.files();
     let found = files.pop().filter(|(name, _)| name == MANIFEST);
     found.unwrap().1

@@ -42,7 +42,7 @@ pub use table::{aqos, decide_by_table};
 
 pub(super) use regions::applied_regions;
 pub(super) use table::parameters;
-pub(super) use texture::texture_error_px;
+pub(crate) use texture::texture_error_px;
 
 use cutter::by_description;
 

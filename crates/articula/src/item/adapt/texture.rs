@@ -67,11 +67,7 @@ fn option(
 }
 
 /// The error of the largest of some sizes of a texture; of the smallest one without any.
-pub(in crate::item) fn texture_error_px(
-    part: &ItemPart,
-    sizes: &[bool],
-    pixels_per_metre: f64,
-) -> f64 {
+pub(crate) fn texture_error_px(part: &ItemPart, sizes: &[bool], pixels_per_metre: f64) -> f64 {
     let there = part.layers.iter().zip(sizes).filter(|(_, there)| **there);
     let largest = there
         .map(|(layer, _)| layer)

@@ -1,10 +1,10 @@
 //! The client: receivers of all streams, and the pieces that they took.
 
-use super::catalogue::PieceOf;
 use super::content::Content;
 use super::stage::Stage;
 use crate::clip_streams::{StreamKind, afp2};
 use crate::error::{Context, Error, Result};
+use crate::item::delivery::PieceOf;
 use crate::item::part::{ItemPart, PartKind};
 use articula_core::Clip;
 use articula_stream::abp2::MotionReceiver;
@@ -40,7 +40,7 @@ impl<'a> Client<'a> {
         Self {
             content,
             stage,
-            has: vec![false; content.catalogue.pieces.len()],
+            has: vec![false; content.delivery.catalogue.pieces.len()],
             bytes: 0,
             meshes: BTreeMap::new(),
             motions: BTreeMap::new(),
@@ -51,7 +51,7 @@ impl<'a> Client<'a> {
     /// Takes a piece that came.
     pub(super) fn take(&mut self, piece: usize) -> Result<()> {
         let content = self.content;
-        let of = &content.catalogue.pieces[piece];
+        let of = &content.delivery.catalogue.pieces[piece];
         if let PieceOf::Part { part, .. } = of.of {
             let of_part = &content.item.manifest.parts[part];
             let name = || of_part.file.clone().unwrap_or_default();

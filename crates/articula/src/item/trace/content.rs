@@ -1,21 +1,20 @@
 //! All that a policy knows of an item: its pieces, its levels, what plays when, and what errors the
 //! manifest states.
 
-use super::catalogue::{Catalogue, PieceOf};
-use super::ladder::{Kept, Ladder, is_motion, largest, side};
 use super::options::TraceOptions;
 use super::timeline::{Play, Timeline};
 use crate::error::Result;
+use crate::item::delivery::{Delivery, PieceOf};
 use crate::item::files::Item;
-use crate::item::part::{ItemPart, PartKind};
+use crate::item::part::ItemPart;
 use articula_stream::description::Context;
+use std::ops::Range;
 
 /// An item that is ready to be played.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Content {
     pub(super) item: Item,
-    pub(super) catalogue: Catalogue,
-    pub(super) ladder: Ladder,
+    pub(super) delivery: Delivery,
     pub(super) timeline: Timeline,
     /// Pixels per metre at the distance of the character.
     pub(super) pixels_per_metre: f64,
@@ -23,12 +22,12 @@ pub(super) struct Content {
 
 impl Content {
     pub(super) fn of(item: Item, context: &Context, options: &TraceOptions) -> Result<Self> {
-        let ladder = Ladder::of(&item, context, options)?;
+        let mut units = |part: &ItemPart| access_units(&item, part);
+        let delivery = Delivery::of(&item.manifest, context, &options.adapt, &mut units)?;
         Ok(Self {
-            catalogue: Catalogue::of(&item)?,
             timeline: Timeline::of(&item, options)?,
-            pixels_per_metre: ladder.decision.decision.request.pixels_per_metre,
-            ladder,
+            pixels_per_metre: delivery.pixels_per_metre(),
+            delivery,
             item,
         })
     }
@@ -44,56 +43,11 @@ impl Content {
         (part, &self.item.manifest.parts[part])
     }
 
-    /// Which pieces are missing of what is no motion, from coarse to fine, for some layers.
-    pub(super) fn missing_of_shape(&self, has: &[bool], kept: &Kept) -> Vec<usize> {
-        let mut found = Missing::new(&self.catalogue, has);
-        found.add(PieceOf::Figure);
-        for (index, _) in self.parts().filter(|(_, part)| !is_motion(part)) {
-            let layers = self.unmet(has, index, &kept[index]);
-            found.add_layers(index, None, &layers);
-        }
-        found.pieces
-    }
-
     /// Which pieces are missing to play an access unit with some layers of its motion.
     pub(super) fn missing_of_unit(&self, has: &[bool], play: &Play, layers: &[bool]) -> Vec<usize> {
-        let mut found = Missing::new(&self.catalogue, has);
         let (part, _) = self.motion_part(play.motion);
-        found.add(head(part));
-        let numbers = layers.iter().enumerate().filter(|(_, kept)| **kept);
-        let numbers: Vec<usize> = numbers.map(|(layer, _)| layer).collect();
-        found.add_layers(part, Some(play.unit), &numbers);
-        found.pieces
-    }
-
-    /// The layers of a part that are wanted: of a texture the largest size alone, unless one that is no
-    /// smaller is there.
-    fn unmet(&self, has: &[bool], part: usize, kept: &[bool]) -> Vec<usize> {
-        let of = &self.item.manifest.parts[part];
-        let numbers = || (0..kept.len()).filter(|layer| kept[*layer]);
-        match of.kind {
-            PartKind::Texture => {
-                let there = largest(of, &self.layers_there(has, part, None));
-                let most = numbers().max_by_key(|layer| side(&of.layers[*layer]));
-                let larger = |layer: &usize| side(&of.layers[*layer]) > there;
-                most.filter(larger).into_iter().collect()
-            }
-            _ => numbers().collect(),
-        }
-    }
-
-    /// The layers of a part that are there, with what they build on: of a motion those of an access unit.
-    pub(super) fn layers_there(&self, has: &[bool], part: usize, unit: Option<usize>) -> Vec<bool> {
-        let of = &self.item.manifest.parts[part];
-        let is_there = |of: PieceOf| self.catalogue.find(of).is_none_or(|piece| has[piece]);
-        let piece = |layer| PieceOf::Part { part, unit, layer };
-        let has_base = is_there(head(part)) && is_there(piece(None));
-        let mut there: Vec<bool> = Vec::with_capacity(of.layers.len());
-        for (number, layer) in of.layers.iter().enumerate() {
-            let stands = layer.needs.iter().all(|need| there[*need]);
-            there.push(has_base && stands && is_there(piece(Some(number))));
-        }
-        there
+        let delivery = &self.delivery;
+        delivery.missing_of_unit(has, (part, Some(play.unit)), layers)
     }
 
     /// For each piece of some parts and access units whether it is there.
@@ -102,7 +56,7 @@ impl Content {
         has: &[bool],
         is_one: impl Fn(usize, Option<usize>) -> bool,
     ) -> Vec<bool> {
-        let pieces = self.catalogue.pieces.iter().zip(has);
+        let pieces = self.delivery.catalogue.pieces.iter().zip(has);
         let of_parts = pieces.filter(|(piece, _)| match piece.of {
             PieceOf::Part { part, unit, .. } => is_one(part, unit),
             PieceOf::Manifest | PieceOf::Figure => false,
@@ -116,7 +70,7 @@ impl Content {
         has: &[bool],
         is_one: impl Fn(usize, Option<usize>) -> bool,
     ) -> u64 {
-        let there = self.catalogue.pieces.iter().zip(has);
+        let there = self.delivery.catalogue.pieces.iter().zip(has);
         let bytes = there.filter_map(|(piece, has)| match piece.of {
             PieceOf::Part { part, unit, .. } if *has && is_one(part, unit) => Some(piece.bytes),
             _ => None,
@@ -126,9 +80,9 @@ impl Content {
 
     /// Whether an access unit plays: its coarsest layer is there, and the coarsest of all else.
     pub(super) fn is_ready(&self, has: &[bool], play: &Play) -> bool {
-        let least = &self.ladder.levels[0];
+        let least = &self.delivery.ladder.levels[0];
         let (part, _) = self.motion_part(play.motion);
-        self.missing_of_shape(has, least).is_empty()
+        self.delivery.missing_of_shape(has, least).is_empty()
             && self.missing_of_unit(has, play, &least[part]).is_empty()
     }
 
@@ -143,39 +97,12 @@ impl Content {
     }
 }
 
-/// What comes before the first access unit of a stream, or before all layers of a mesh.
-fn head(part: usize) -> PieceOf {
-    PieceOf::Part {
-        part,
-        unit: None,
-        layer: None,
-    }
-}
-
-/// Pieces that are not there.
-struct Missing<'a> {
-    catalogue: &'a Catalogue,
-    has: &'a [bool],
-    pieces: Vec<usize>,
-}
-
-impl<'a> Missing<'a> {
-    fn new(catalogue: &'a Catalogue, has: &'a [bool]) -> Self {
-        Self {
-            catalogue,
-            has,
-            pieces: Vec::new(),
-        }
-    }
-
-    fn add(&mut self, of: PieceOf) {
-        let piece = self.catalogue.find(of).filter(|piece| !self.has[*piece]);
-        self.pieces.extend(piece);
-    }
-
-    fn add_layers(&mut self, part: usize, unit: Option<usize>, layers: &[usize]) {
-        let of = |layer| PieceOf::Part { part, unit, layer };
-        self.add(of(None));
-        layers.iter().for_each(|layer| self.add(of(Some(*layer))));
-    }
+/// The bytes of each access unit of a motion, in order.
+fn access_units(item: &Item, part: &ItemPart) -> Result<Vec<Range<u64>>> {
+    let map = item.unit_tree(part)?;
+    let units = map.children.iter();
+    let units = units.filter(|unit| unit.marker("access_unit").is_some());
+    Ok(units
+        .map(|unit| unit.bits.start / 8..unit.bits.end / 8)
+        .collect())
 }

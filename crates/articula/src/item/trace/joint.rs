@@ -2,8 +2,8 @@
 //! greatest drop of error for its bytes first.
 
 use super::content::Content;
-use super::ladder::{Kept, is_motion, largest};
 use super::view::{Action, HORIZON_SECS, Policy, View};
+use crate::item::delivery::{Kept, is_motion, largest};
 use crate::item::part::PartKind;
 use articula_stream::decide::{
     LayerSwitch, SwitchRule, ThroughputEstimator, ThroughputOptions, Transfer,
@@ -59,7 +59,7 @@ impl JointChoice {
             let seen = View { has: &has, ..*view };
             let best = self.best(&seen, level, horizon_secs);
             let Some(best) = best else { break };
-            left -= view.content.catalogue.bytes(&best.pieces) as f64;
+            left -= view.content.delivery.catalogue.bytes(&best.pieces) as f64;
             // One is asked for, whatever it takes.
             if left < 0.0 && !pieces.is_empty() {
                 break;
@@ -78,7 +78,7 @@ impl JointChoice {
     }
 
     fn step(&self, content: &Content, pieces: Vec<usize>, gain_px: f64, secs: f64) -> Option<Step> {
-        let bytes = content.catalogue.bytes(&pieces) as f64;
+        let bytes = content.delivery.catalogue.bytes(&pieces) as f64;
         let value = gain_px * secs / bytes.max(1.0);
         (value > 0.0 && bytes > 0.0).then_some(Step { pieces, value })
     }
@@ -86,7 +86,7 @@ impl JointChoice {
     /// Refinements of meshes and textures, which show at all times.
     fn of_shape(&self, view: &View<'_>, level: &Kept, horizon_secs: f64) -> Vec<Step> {
         let content = view.content;
-        let decided = &content.ladder.decision.parts;
+        let decided = &content.delivery.ladder.decision.parts;
         let mut steps = Vec::new();
         for (part, layers) in decided.parts.iter().zip(&decided.layers) {
             let is_shape =
@@ -94,11 +94,11 @@ impl JointChoice {
             let options = part.options.iter().zip(layers);
             let options = options.filter(|(_, layers)| layers.iter().all(is_shape));
             let of_option = |layers: &Vec<(usize, Vec<bool>)>| {
-                let mut wanted: Kept = content.ladder.levels[0].clone();
+                let mut wanted: Kept = content.delivery.ladder.levels[0].clone();
                 for (index, kept) in layers {
                     wanted[*index].clone_from(kept);
                 }
-                content.missing_of_shape(view.has, &wanted)
+                content.delivery.missing_of_shape(view.has, &wanted)
             };
             let all: Vec<(f64, Vec<usize>, bool)> = options
                 .map(|(option, layers)| {
@@ -131,7 +131,7 @@ impl JointChoice {
 
     /// Seconds until pieces are there that are asked for now.
     fn arrival_secs(&self, content: &Content, pieces: &[usize]) -> f64 {
-        let bits = 8.0 * content.catalogue.bytes(pieces) as f64;
+        let bits = 8.0 * content.delivery.catalogue.bytes(pieces) as f64;
         self.latency_secs + bits / self.throughput.bits_per_second().max(1.0)
     }
 
@@ -148,7 +148,7 @@ impl JointChoice {
         let mut steps = Vec::new();
         for ((motion, unit), times) in times {
             let (part, of) = content.motion_part(motion);
-            let there = content.layers_there(view.has, part, Some(unit));
+            let there = content.delivery.layers_there(view.has, part, Some(unit));
             if !content.is_ready(view.has, &plays[times[0]]) {
                 continue;
             }
@@ -179,7 +179,7 @@ impl JointChoice {
         let play = view.first_unready();
         let is_near =
             play < view.content.timeline.plays.len() && view.until_start(play) < within_secs;
-        is_near.then(|| view.missing(play, &view.content.ladder.levels[0]))
+        is_near.then(|| view.missing(play, &view.content.delivery.ladder.levels[0]))
     }
 }
 
@@ -198,7 +198,7 @@ impl Policy for JointChoice {
         if let Some(base) = self.base(view, SAFE_SECS) {
             return Action::fetch(base);
         }
-        let levels = &view.content.ladder.levels;
+        let levels = &view.content.delivery.ladder.levels;
         let fill = (view.buffer_secs() / HORIZON_SECS).min(1.0);
         let estimate = self.throughput.bits_per_second();
         let rates = view.rates();
@@ -210,7 +210,12 @@ impl Policy for JointChoice {
         // What the bandwidth carries, then all that there is, then what comes later.
         let mut pieces = self.refinements(view, &levels[target - 1], HORIZON_SECS, bytes);
         if pieces.is_empty() {
-            pieces = self.refinements(view, view.content.ladder.top(), HORIZON_SECS, bytes);
+            pieces = self.refinements(
+                view,
+                view.content.delivery.ladder.top(),
+                HORIZON_SECS,
+                bytes,
+            );
         }
         // A base is small: it comes along.
         let far = if pieces.is_empty() {
@@ -222,7 +227,7 @@ impl Policy for JointChoice {
         if pieces.is_empty() {
             let left = view.content.timeline.plays.last();
             let left = left.map_or(0.0, |last| last.end_secs - view.position_secs);
-            pieces = self.refinements(view, view.content.ladder.top(), left, bytes);
+            pieces = self.refinements(view, view.content.delivery.ladder.top(), left, bytes);
         }
         match pieces.is_empty() {
             true => Action::Wait,

@@ -2,11 +2,11 @@
 
 use super::client::Client;
 use super::content::Content;
-use super::ladder::is_motion;
 use super::stage::{Stage, StagedMesh};
 use super::timeline::FrameOf;
 use crate::clip_streams::{StreamKind, afp2};
 use crate::error::{Context, Error, Result};
+use crate::item::delivery::is_motion;
 use crate::item::files::Item;
 use crate::item::part::PartKind;
 use articula_build::{DistanceOptions, surface_distances};

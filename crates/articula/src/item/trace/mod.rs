@@ -9,18 +9,15 @@
 //! ```
 //!
 //! - `options`, `playback`: what is asked, and what it gives
-//! - `catalogue`, `timeline`, `ladder`, `content`: what can be fetched, what plays when, and the levels of
-//!   quality
+//! - `timeline`, `content`: what plays when, and what can be fetched for it
 //! - `view`, `joint`, `thesis`, `versions`: policies
 //! - `stage`, `client`, `judge`: receivers, what they show, and its error
 //! - `player`: the virtual clock
 
-mod catalogue;
 mod client;
 mod content;
 mod joint;
 mod judge;
-mod ladder;
 mod options;
 mod playback;
 mod player;

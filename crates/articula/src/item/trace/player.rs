@@ -1,10 +1,8 @@
 //! The virtual player: a clock, one request in flight, and playback that waits for what is missing.
 
-use super::catalogue::PieceOf;
 use super::client::Client;
 use super::content::Content;
 use super::judge::Judge;
-use super::ladder::{is_motion, largest};
 use super::options::TraceOptions;
 use super::playback::{TracePlayback, TracePolicy, TraceSample};
 use super::stage::Stage;
@@ -12,7 +10,9 @@ use super::timeline::FrameOf;
 use super::view::{Action, Policy, View};
 use crate::error::Result;
 use crate::item::adapt::texture_error_px;
-use crate::item::part::{ItemPart, PartKind};
+use crate::item::delivery::PieceOf;
+use crate::item::delivery::{is_motion, largest, mesh_level};
+use crate::item::part::PartKind;
 use articula_stream::decide::{BandwidthTrace, Transfer};
 
 /// Time without asking a policy that waits, seconds.
@@ -76,7 +76,7 @@ impl<'a> Player<'a> {
         policy: &mut dyn Policy,
     ) -> Result<TracePlayback> {
         // It tells what else there is.
-        let manifest = self.content.catalogue.find(PieceOf::Manifest);
+        let manifest = self.content.delivery.catalogue.find(PieceOf::Manifest);
         let manifest: Vec<usize> = manifest.into_iter().collect();
         let transfer = self.fetch(&manifest, f64::INFINITY)?;
         policy.transferred(&transfer);
@@ -105,7 +105,7 @@ impl<'a> Player<'a> {
             stall_secs: self.stall_secs,
             bytes: self.client.bytes + self.given_up,
             unused_bytes: self.unused_bytes() + self.given_up,
-            levels: self.content.ladder.levels.len(),
+            levels: self.content.delivery.ladder.levels.len(),
             samples: self.samples,
         })
     }
@@ -117,7 +117,7 @@ impl<'a> Player<'a> {
         let mut last_byte_secs = first_byte_secs;
         let mut bytes = 0;
         for piece in pieces {
-            let of_piece = self.content.catalogue.pieces[*piece].bytes;
+            let of_piece = self.content.delivery.catalogue.pieces[*piece].bytes;
             let bits = 8.0 * (bytes + of_piece) as f64;
             let finish = self.trace.finish(first_byte_secs, bits);
             last_byte_secs = finish.max(first_byte_secs).min(until);
@@ -258,13 +258,13 @@ impl<'a> Player<'a> {
         let (content, has) = (self.content, &self.client.has);
         let play = &content.timeline.plays[play];
         let (part, of) = content.motion_part(play.motion);
-        let levels = content.ladder.levels.iter();
+        let levels = content.delivery.ladder.levels.iter();
         let complete = levels.take_while(|level| {
-            content.missing_of_shape(has, level).is_empty()
+            content.delivery.missing_of_shape(has, level).is_empty()
                 && content.missing_of_unit(has, play, &level[part]).is_empty()
         });
         sample.level = complete.count();
-        let there = content.layers_there(has, part, Some(play.unit));
+        let there = content.delivery.layers_there(has, part, Some(play.unit));
         let loa = |layer: usize| {
             let keep = &of.layers[layer].keep;
             keep.get("loa").or_else(|| keep.get("face_loa")).copied()
@@ -276,7 +276,7 @@ impl<'a> Player<'a> {
             .filter_map(|l| of.layers[l].keep.get("tier").copied())
             .min();
         for (index, part) in content.parts().filter(|(_, part)| !is_motion(part)) {
-            let there = content.layers_there(has, index, None);
+            let there = content.delivery.layers_there(has, index, None);
             if part.kind == PartKind::Texture {
                 let px = largest(part, &there);
                 sample.texture_px = Some(sample.texture_px.map_or(px, |least| least.min(px)));
@@ -300,7 +300,7 @@ impl<'a> Player<'a> {
             .parts()
             .filter(|(_, part)| part.kind == PartKind::Texture);
         let texture = textures.map(|(index, part)| {
-            let there = content.layers_there(&self.client.has, index, None);
+            let there = content.delivery.layers_there(&self.client.has, index, None);
             texture_error_px(part, &there, content.pixels_per_metre)
         });
         let texture = texture.fold(0.0, f64::max);
@@ -322,16 +322,4 @@ impl<'a> Player<'a> {
         };
         content.bytes_there(&self.client.has, is_unused)
     }
-}
-
-/// The finest level that all regions of a mesh have.
-fn mesh_level(part: &ItemPart, there: &[bool]) -> Option<u32> {
-    let level = |layer: usize| part.layers[layer].keep.get("level").copied();
-    let has_all = |wanted: &u32| {
-        (0..there.len()).all(|layer| there[layer] || level(layer).is_none_or(|l| l < *wanted))
-    };
-    let levels = (0..there.len())
-        .filter(|layer| there[*layer])
-        .filter_map(level);
-    levels.filter(has_all).min()
 }

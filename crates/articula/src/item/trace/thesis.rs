@@ -5,8 +5,8 @@
 //! bandwidth, as by the network simulator of the thesis, and decides anew for each access unit.
 
 use super::content::Content;
-use super::ladder::{Kept, is_motion, side};
 use super::view::{Action, Policy, View};
+use crate::item::delivery::{Kept, is_motion, side};
 use crate::item::part::{ItemPart, PartKind};
 use articula_stream::decide::{NetworkShare, finest_level};
 
@@ -44,10 +44,10 @@ impl ThesisRatio {
         let content = view.content;
         let play = &content.timeline.plays[play];
         let (part, of) = content.motion_part(play.motion);
-        let nothing = vec![false; content.catalogue.pieces.len()];
+        let nothing = vec![false; content.delivery.catalogue.pieces.len()];
         let bytes = |kept: &[bool]| {
             let pieces = content.missing_of_unit(&nothing, play, kept);
-            content.catalogue.bytes(&pieces)
+            content.delivery.catalogue.bytes(&pieces)
         };
         let full = bytes(&vec![true; of.layers.len()]);
         let ratio = ratio(view.capacity_bps, play.secs(), 8.0 * full as f64);
@@ -83,7 +83,7 @@ fn full_bytes(content: &Content) -> u64 {
 /// The layers of the finest level of a part within a ratio; of the coarsest one if none is.
 fn level(content: &Content, part: usize, ratio: f64, bytes: impl Fn(&[bool]) -> u64) -> Vec<bool> {
     let of = &content.item.manifest.parts[part];
-    let top = &content.ladder.top()[part];
+    let top = &content.delivery.ladder.top()[part];
     let levels = levels(of, top);
     let sizes: Vec<f64> = levels.iter().map(|kept| bytes(kept) as f64).collect();
     let full = sizes.first().copied().unwrap_or(0.0).max(1.0);
@@ -101,7 +101,7 @@ fn levels(part: &ItemPart, top: &[bool]) -> Vec<Vec<bool>> {
         PartKind::BodyMotion => "loa",
         PartKind::FaceMotion => "face_loa",
         PartKind::Texture => {
-            let most = super::ladder::largest(part, top);
+            let most = crate::item::delivery::largest(part, top);
             let fitting = |layer: &usize| side(&part.layers[*layer]) <= most;
             let mut sizes: Vec<usize> = (0..part.layers.len()).filter(fitting).collect();
             sizes.sort_by_key(|layer| std::cmp::Reverse(side(&part.layers[*layer])));
@@ -138,7 +138,10 @@ impl Policy for ThesisRatio {
         while self.next < plays && view.until_start(self.next) < PUSHED_SECS {
             let play = self.next;
             self.next += 1;
-            let mut pieces = view.content.missing_of_shape(view.has, &self.shape(view));
+            let mut pieces = view
+                .content
+                .delivery
+                .missing_of_shape(view.has, &self.shape(view));
             pieces.extend(self.unit(view, play));
             if !pieces.is_empty() {
                 return Action::fetch(pieces);

@@ -76,15 +76,15 @@ impl ByLevel {
 /// Bytes of a play at each level, with the share of the shape that its time has in what is fetched ahead.
 fn sizes(view: &View<'_>, play: usize) -> Vec<f64> {
     let content = view.content;
-    let nothing = vec![false; content.catalogue.pieces.len()];
+    let nothing = vec![false; content.delivery.catalogue.pieces.len()];
     let play = &content.timeline.plays[play];
     let (part, _) = content.motion_part(play.motion);
     let share = play.secs() / HORIZON_SECS;
-    let levels = content.ladder.levels.iter();
+    let levels = content.delivery.ladder.levels.iter();
     let size = levels.map(|level| {
-        let shape = content.missing_of_shape(&nothing, level);
+        let shape = content.delivery.missing_of_shape(&nothing, level);
         let unit = content.missing_of_unit(&nothing, play, &level[part]);
-        let bytes = |pieces: &[usize]| content.catalogue.bytes(pieces) as f64;
+        let bytes = |pieces: &[usize]| content.delivery.catalogue.bytes(pieces) as f64;
         (share * bytes(&shape) + bytes(&unit)).max(1.0)
     });
     size.collect()
@@ -114,7 +114,7 @@ impl Policy for ByLevel {
                 break;
             };
             self.next += 1;
-            let pieces = view.missing(play, &view.content.ladder.levels[level]);
+            let pieces = view.missing(play, &view.content.delivery.ladder.levels[level]);
             let patience_secs = match level {
                 0 => f64::INFINITY,
                 _ => PATIENCE_UNITS * view.content.timeline.plays[play].secs(),

@@ -1,7 +1,7 @@
 //! What a policy sees of the player, and what it asks for.
 
 use super::content::Content;
-use super::ladder::Kept;
+use crate::item::delivery::Kept;
 use articula_stream::decide::Transfer;
 use std::collections::BTreeSet;
 
@@ -71,7 +71,7 @@ impl View<'_> {
 
     /// Pieces that are missing for a play at a level, of everything.
     pub(super) fn missing(&self, play: usize, level: &Kept) -> Vec<usize> {
-        let mut pieces = self.content.missing_of_shape(self.has, level);
+        let mut pieces = self.content.delivery.missing_of_shape(self.has, level);
         pieces.extend(self.missing_of_play(play, level));
         pieces
     }
@@ -79,8 +79,12 @@ impl View<'_> {
     /// The first play that has not begun and lacks its base; the number of all without one.
     pub(super) fn first_unready(&self) -> usize {
         let (content, timeline) = (self.content, &self.content.timeline);
-        let least = &content.ladder.levels[0];
-        if !content.missing_of_shape(self.has, least).is_empty() {
+        let least = &content.delivery.ladder.levels[0];
+        if !content
+            .delivery
+            .missing_of_shape(self.has, least)
+            .is_empty()
+        {
             return self.next_play;
         }
         // Access units play again and again.
@@ -111,15 +115,22 @@ impl View<'_> {
     /// time.
     pub(super) fn rates(&self) -> Vec<f64> {
         let of_level = |level: &Kept| {
-            let mut pieces = self.content.missing_of_shape(self.has, level);
+            let mut pieces = self.content.delivery.missing_of_shape(self.has, level);
             for play in self.ahead(HORIZON_SECS) {
                 pieces.extend(self.missing_of_play(play, level));
             }
             pieces.sort_unstable();
             pieces.dedup();
-            8.0 * self.content.catalogue.bytes(&pieces) as f64 / HORIZON_SECS
+            8.0 * self.content.delivery.catalogue.bytes(&pieces) as f64 / HORIZON_SECS
         };
-        let mut rates: Vec<f64> = self.content.ladder.levels.iter().map(of_level).collect();
+        let mut rates: Vec<f64> = self
+            .content
+            .delivery
+            .ladder
+            .levels
+            .iter()
+            .map(of_level)
+            .collect();
         // A texture may be there that is larger than one of a finer level.
         for level in 1..rates.len() {
             rates[level] = rates[level].max(rates[level - 1]);

@@ -1,7 +1,6 @@
 //! What a client can ask for: the ranges of bytes of each layer, of motions also by access unit.
 
-use crate::error::{Context, Error, Result};
-use crate::item::files::Item;
+use crate::error::{Context as _, Error, Result};
 use crate::item::files::MANIFEST;
 use crate::item::manifest::Manifest;
 use crate::item::part::{ItemPart, PartKind};
@@ -11,7 +10,7 @@ use std::ops::Range;
 
 /// What a piece is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum PieceOf {
+pub(crate) enum PieceOf {
     /// The manifest.
     Manifest,
     /// The figure, and files that are carried whole.
@@ -27,33 +26,37 @@ pub(super) enum PieceOf {
 
 /// Bytes that are asked for together.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Piece {
-    pub(super) of: PieceOf,
+pub(crate) struct Piece {
+    pub(crate) of: PieceOf,
     /// Where they lie in the stream of the part; empty for whole files.
-    pub(super) ranges: Vec<Range<u64>>,
+    pub(crate) ranges: Vec<Range<u64>>,
     /// Bytes as they are sent.
-    pub(super) bytes: u64,
+    pub(crate) bytes: u64,
 }
+
+/// Returns the bytes of each access unit of a motion.
+pub(crate) type UnitsOf<'a> = dyn FnMut(&ItemPart) -> Result<Vec<Range<u64>>> + 'a;
 
 /// All pieces of an item. What has no bytes is no piece.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Catalogue {
-    pub(super) pieces: Vec<Piece>,
+pub(crate) struct Catalogue {
+    pub(crate) pieces: Vec<Piece>,
     index: BTreeMap<PieceOf, usize>,
 }
 
 impl Catalogue {
-    pub(super) fn of(item: &Item) -> Result<Self> {
-        let mut pieces = vec![whole(PieceOf::Manifest, manifest_bytes(&item.manifest))];
-        let carried = item.manifest.whole.iter().map(|file| &file.file);
-        let files = carried.chain([&item.manifest.figure.file]);
-        let always = files.map(|file| item.manifest.sent_bytes(file)).sum();
+    /// The pieces of an item; `units` returns the bytes of each access unit of a motion, in order.
+    pub(crate) fn of(manifest: &Manifest, units: &mut UnitsOf<'_>) -> Result<Self> {
+        let mut pieces = vec![whole(PieceOf::Manifest, manifest_bytes(manifest))];
+        let carried = manifest.whole.iter().map(|file| &file.file);
+        let files = carried.chain([&manifest.figure.file]);
+        let always = files.map(|file| manifest.sent_bytes(file)).sum();
         pieces.push(whole(PieceOf::Figure, always));
-        for (index, part) in item.manifest.parts.iter().enumerate() {
+        for (index, part) in manifest.parts.iter().enumerate() {
             match part.kind {
-                PartKind::Texture => pieces.extend(sizes(item, index, part)),
+                PartKind::Texture => pieces.extend(sizes(manifest, index, part)),
                 _ => {
-                    let of_stream = stream(item, index, part);
+                    let of_stream = stream(index, part, units);
                     pieces
                         .extend(of_stream.with_context(|| part.file.clone().unwrap_or_default())?);
                 }
@@ -68,12 +71,12 @@ impl Catalogue {
     }
 
     /// The index of a piece; `None` if it has no bytes.
-    pub(super) fn find(&self, of: PieceOf) -> Option<usize> {
+    pub(crate) fn find(&self, of: PieceOf) -> Option<usize> {
         self.index.get(&of).copied()
     }
 
     /// Bytes of some pieces.
-    pub(super) fn bytes(&self, pieces: &[usize]) -> u64 {
+    pub(crate) fn bytes(&self, pieces: &[usize]) -> u64 {
         pieces.iter().map(|piece| self.pieces[*piece].bytes).sum()
     }
 }
@@ -92,7 +95,7 @@ fn manifest_bytes(manifest: &Manifest) -> u64 {
 }
 
 /// The sizes of a texture, each a file.
-fn sizes(item: &Item, index: usize, part: &ItemPart) -> Vec<Piece> {
+fn sizes(manifest: &Manifest, index: usize, part: &ItemPart) -> Vec<Piece> {
     let layers = part.layers.iter().enumerate();
     let files = layers.filter_map(|(layer, of)| Some((layer, of.file.as_ref()?)));
     let piece = |(layer, file): (usize, &String)| {
@@ -101,13 +104,13 @@ fn sizes(item: &Item, index: usize, part: &ItemPart) -> Vec<Piece> {
             unit: None,
             layer: Some(layer),
         };
-        whole(of, item.manifest.sent_bytes(file))
+        whole(of, manifest.sent_bytes(file))
     };
     files.map(piece).collect()
 }
 
 /// Base and layers of a stream, of a motion by access unit.
-fn stream(item: &Item, index: usize, part: &ItemPart) -> Result<Vec<Piece>> {
+fn stream(index: usize, part: &ItemPart, units: &mut UnitsOf<'_>) -> Result<Vec<Piece>> {
     let has_ranges = !part.base_ranges.is_empty()
         && part
             .layers
@@ -119,7 +122,7 @@ fn stream(item: &Item, index: usize, part: &ItemPart) -> Result<Vec<Piece>> {
         return Err(Error::unsuited(what));
     }
     let units = match part.kind {
-        PartKind::BodyMotion | PartKind::FaceMotion => access_units(item, part)?,
+        PartKind::BodyMotion | PartKind::FaceMotion => units(part)?,
         PartKind::Mesh | PartKind::Texture => Vec::new(),
     };
     let layers = part.layers.iter().enumerate();
@@ -145,14 +148,18 @@ fn stream(item: &Item, index: usize, part: &ItemPart) -> Result<Vec<Piece>> {
     Ok(pieces)
 }
 
-/// The bytes of each access unit of a motion, in order.
-fn access_units(item: &Item, part: &ItemPart) -> Result<Vec<Range<u64>>> {
-    let map = item.unit_tree(part)?;
-    let units = map.children.iter();
-    let units = units.filter(|unit| unit.marker("access_unit").is_some());
-    Ok(units
-        .map(|unit| unit.bits.start / 8..unit.bits.end / 8)
-        .collect())
+/// The bytes of each access unit of a motion as its base ranges tell them, in order: the first range is the
+/// head of the stream with that of the first unit, each other one begins a unit. Empty for a stream that has
+/// no more than a head.
+pub(crate) fn access_units(part: &ItemPart) -> Vec<Range<u64>> {
+    let Some(([start, count], later)) = part.base_ranges.split_first() else {
+        return Vec::new();
+    };
+    let first = start + count;
+    let starts = std::iter::once(first).chain(later.iter().map(|[start, _]| *start));
+    let ends = later.iter().map(|[start, _]| *start).chain([part.bytes]);
+    let units = starts.zip(ends).map(|(start, end)| start..end);
+    units.filter(|unit| !unit.is_empty()).collect()
 }
 
 /// Splits a range at the borders of access units; what comes before the first is in none.

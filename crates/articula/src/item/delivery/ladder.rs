@@ -1,6 +1,5 @@
 //! Levels of quality of an item in a context: what the joint choice keeps of it for more and more bytes.
 
-use super::options::TraceOptions;
 use crate::error::{Error, Result};
 use crate::item::adapt::{AdaptOptions, ItemCut, ItemDecision, decide};
 use crate::item::files::Item;
@@ -15,37 +14,34 @@ const LEVELS: usize = 8;
 const EFFORT: u32 = 20_000;
 
 /// Which layers of each part of the item are kept.
-pub(super) type Kept = Vec<Vec<bool>>;
+pub(crate) type Kept = Vec<Vec<bool>>;
 
 /// Levels of quality, each with all layers of those before.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Ladder {
+pub(crate) struct Ladder {
     /// The layers of each level, from the least to all that the context asks for.
-    pub(super) levels: Vec<Kept>,
+    pub(crate) levels: Vec<Kept>,
     /// The parts that were decided on, and the scale of their errors.
-    pub(super) decision: ItemDecision,
+    pub(crate) decision: ItemDecision,
 }
 
 impl Ladder {
     /// The levels of an item for the view, the device and the wishes of a context, whatever its bandwidth.
-    pub(super) fn of(item: &Item, context: &Context, options: &TraceOptions) -> Result<Self> {
+    pub(crate) fn of(item: &Item, context: &Context, options: &AdaptOptions) -> Result<Self> {
         let mut context = context.clone();
         context.network = Default::default();
         let at = |max_bytes: Option<u64>| {
             let options = AdaptOptions {
                 max_bytes,
-                effort: EFFORT.min(options.adapt.effort),
-                ..options.adapt
+                effort: EFFORT.min(options.effort),
+                ..*options
             };
             decide(item, &context, &options)
         };
-        let decision = at(options.adapt.max_bytes)?;
+        let decision = at(options.max_bytes)?;
         let (Some(top), Outcome::Parts(choice)) = (layers(&decision), &decision.decision.outcome)
         else {
-            let what = format!(
-                "a trace plays 3D, and this context gets none:\n{}",
-                decision.decision
-            );
+            let what = format!("this context gets no 3D:\n{}", decision.decision);
             return Err(Error::unsuited(what));
         };
         let least = least(item, &decision);
@@ -66,7 +62,7 @@ impl Ladder {
     }
 
     /// All that the context asks for.
-    pub(super) fn top(&self) -> &Kept {
+    pub(crate) fn top(&self) -> &Kept {
         &self.levels[self.levels.len() - 1]
     }
 }
@@ -125,17 +121,29 @@ fn add(item: &Item, levels: &mut Vec<Kept>, mut kept: Kept) {
 }
 
 /// Whether a part is a motion.
-pub(super) fn is_motion(part: &ItemPart) -> bool {
+pub(crate) fn is_motion(part: &ItemPart) -> bool {
     matches!(part.kind, PartKind::BodyMotion | PartKind::FaceMotion)
 }
 
 /// The longer side of the largest size among some layers of a texture; 0 without one.
-pub(super) fn largest(part: &ItemPart, kept: &[bool]) -> u32 {
+pub(crate) fn largest(part: &ItemPart, kept: &[bool]) -> u32 {
     let kept = part.layers.iter().zip(kept).filter(|(_, kept)| **kept);
     kept.map(|(layer, _)| side(layer)).max().unwrap_or(0)
 }
 
 /// The longer side of a size of a texture.
-pub(super) fn side(layer: &ItemLayer) -> u32 {
+pub(crate) fn side(layer: &ItemLayer) -> u32 {
     layer.size_px.map_or(0, |[width, height]| width.max(height))
+}
+
+/// The finest level that all regions of a mesh have.
+pub(crate) fn mesh_level(part: &ItemPart, there: &[bool]) -> Option<u32> {
+    let level = |layer: usize| part.layers[layer].keep.get("level").copied();
+    let has_all = |wanted: &u32| {
+        (0..there.len()).all(|layer| there[layer] || level(layer).is_none_or(|l| l < *wanted))
+    };
+    let levels = (0..there.len())
+        .filter(|layer| there[*layer])
+        .filter_map(level);
+    levels.filter(has_all).min()
 }

@@ -1,0 +1,39 @@
+//! Digital items over a network: what a client asks for and shows, and what a server sends it.
+//!
+//! Neither sockets nor clocks: bytes and times in, requests, messages and poses out. The server of a session and
+//! a client that fetches by itself decide by the same code what comes next. Forms: `docs/formats/delivery.md`
+//! (over HTTP), `docs/formats/session.md` (in a session); method: `docs/methods/adaptation.md`, part 7.
+//!
+//! ```text
+//! Manifest, Context ─ DeliveryPlan::new ─▶ DeliveryPlan: pieces, levels of quality
+//! DeliveryPlan, bytes that are there, bandwidth, position ─ Planner ─▶ Increment: which bytes come next
+//! Client ─ Client::next_request ─▶ ClientRequest ─ Client::answer ─▶ Client ─ Client::frame ─▶ poses
+//! Client ─ Client::hello, Client::update ─▶ ClientMessage ─ Feed::take ─▶ Feed
+//! Feed ─ Feed::next ─▶ ServerMessage ─ Client::take ─▶ Client
+//! ```
+//!
+//! - `plan`: the order in which one character comes
+//! - `planner`: all characters, by importance
+//! - `pace`: a bound on bytes per second
+//! - `message`: messages of a session, as bytes
+//! - `character`: what is here of a character, and shown
+//! - `machine`: the client
+//! - `feed`: the server's side of a session
+
+mod character;
+mod feed;
+mod machine;
+mod message;
+mod pace;
+mod plan;
+mod planner;
+
+pub use character::{CharacterReport, ClientCharacter};
+pub use feed::{Feed, FeedChange, FeedNext, FeedPlan};
+pub use machine::{Client, ClientAnswer, ClientOptions, ClientRequest};
+pub use message::{
+    ClientMessage, HeldFiles, MOST_CHARACTERS, MOST_MESSAGE_BYTES, SESSION_VERSION, ServerMessage,
+    SessionDecision, SessionError, SessionStatistics, SessionUpdate, ShownReport, WantedCharacter,
+};
+pub use plan::DeliveryPlan;
+pub use planner::Increment;
