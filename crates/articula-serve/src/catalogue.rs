@@ -5,6 +5,7 @@ use crate::metrics::Metrics;
 use crate::objects::{Objects, remove, write};
 use crate::options::ServeOptions;
 use crate::record::{Records, Served, read};
+use crate::session::{Plans, Sessions};
 use articula::Format;
 use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
@@ -70,6 +71,10 @@ struct Shared {
     objects: Objects,
     records: Records,
     metrics: Metrics,
+    sessions: Arc<Sessions>,
+    plans: Plans,
+    /// Raised whenever the state of a character changes.
+    news: watch::Sender<u64>,
     characters: RwLock<BTreeMap<String, Character>>,
     /// Names of those that wait.
     queue: Mutex<VecDeque<String>>,
@@ -90,6 +95,9 @@ impl Catalogue {
             records: Records::new(made.join("items"), options),
             options: options.clone(),
             metrics: Metrics::default(),
+            sessions: Sessions::new(options.most_sessions),
+            plans: Plans::default(),
+            news: watch::Sender::new(0),
             characters: RwLock::default(),
             queue: Mutex::default(),
             arrived: Condvar::new(),
@@ -188,6 +196,7 @@ impl Catalogue {
             }
         }
         drop(characters);
+        self.0.news.send_modify(|count| *count += 1);
         if waits {
             let mut queue = self.queue();
             queue.retain(|other| *other != name);
@@ -242,7 +251,21 @@ impl Catalogue {
                 state.progress = progress;
                 state.served = served.or_else(|| state.served.take());
             });
+            self.0.news.send_modify(|count| *count += 1);
         }
+    }
+
+    /// Tells of every change of the state of any character.
+    pub(crate) fn news(&self) -> watch::Receiver<u64> {
+        self.0.news.subscribe()
+    }
+
+    pub(crate) fn sessions(&self) -> &Arc<Sessions> {
+        &self.0.sessions
+    }
+
+    pub(crate) fn plans(&self) -> &Plans {
+        &self.0.plans
     }
 
     pub(crate) fn options(&self) -> &ServeOptions {

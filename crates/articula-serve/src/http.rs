@@ -8,11 +8,12 @@ use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::page::{list, path_of};
+use crate::session;
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
 use axum::http::header::{AUTHORIZATION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, RETRY_AFTER};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, put};
@@ -27,6 +28,8 @@ use tokio::sync::Semaphore;
 const IMMUTABLE: &str = "public, max-age=31536000, immutable";
 /// What changes is asked for again, by its tag.
 const CHANGING: &str = "no-cache";
+/// Whether a manifest is that of the whole item: `ready` or `packaging`.
+const STATE: HeaderName = HeaderName::from_static("articula-state");
 /// Longest time that a request waits for news, seconds.
 const LONGEST_WAIT_SECS: f64 = 60.0;
 
@@ -57,6 +60,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .route("/v1/characters/{name}/manifest.json", get(manifest))
         .route("/v1/characters/{name}/{*file}", get(file))
         .route("/v1/o/{hash}", get(object))
+        .merge(session::routes())
         .layer(DefaultBodyLimit::max(most_bytes))
         .layer(from_fn_with_state(limited, limit))
         // These answer also when all places are taken.
@@ -96,7 +100,7 @@ fn fault(status: StatusCode, what: impl Into<String>) -> Response {
     (status, Json(Fault { error })).into_response()
 }
 
-fn later(what: &str) -> Response {
+pub(crate) fn later(what: &str) -> Response {
     let mut response = fault(StatusCode::SERVICE_UNAVAILABLE, what);
     response.headers_mut().insert(RETRY_AFTER, 1.into());
     response
@@ -148,7 +152,11 @@ async fn page(State(catalogue): State<Catalogue>) -> Response {
         (CONTENT_TYPE, "text/html; charset=utf-8"),
         (CONTENT_SECURITY_POLICY, policy),
     ];
-    (headers, list(&catalogue.states())).into_response()
+    (
+        headers,
+        list(&catalogue.states(), &catalogue.sessions().reports()),
+    )
+        .into_response()
 }
 
 async fn characters(State(catalogue): State<Catalogue>) -> Response {
@@ -250,7 +258,14 @@ async fn manifest(
         media_type: "application/json",
         cache_control: CHANGING,
     };
-    stored(&catalogue, &answer, &request).await
+    let mut response = stored(&catalogue, &answer, &request).await;
+    let state = match state.progress {
+        Progress::Ready => "ready",
+        _ => "packaging",
+    };
+    let state = HeaderValue::from_static(state);
+    response.headers_mut().insert(STATE, state);
+    response
 }
 
 /// A file of a character as far as it is made, by its name in the item.

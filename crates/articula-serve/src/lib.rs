@@ -17,6 +17,7 @@
 //! - `range`: parts of a body
 //! - `answer`: bodies with their tags
 //! - `metrics`, `page`: the state of the server for programs and people
+//! - `session`: sessions over WebSocket
 //! - `http`: routes
 //!
 //! ```no_run
@@ -43,6 +44,7 @@ mod page;
 mod prepare;
 mod range;
 mod record;
+mod session;
 
 pub use catalogue::{Catalogue, CharacterState, Progress};
 pub use error::ServeError;

@@ -15,6 +15,9 @@ pub(crate) struct Metrics {
     pub(crate) stages: AtomicU64,
     pub(crate) packaged: AtomicU64,
     pub(crate) failed: AtomicU64,
+    pub(crate) sessions: AtomicU64,
+    pub(crate) increments: AtomicU64,
+    pub(crate) session_bytes: AtomicU64,
 }
 
 impl Metrics {
@@ -53,6 +56,17 @@ impl Metrics {
                 "failed",
                 "Characters that could not be packaged.",
                 &self.failed,
+            ),
+            ("sessions", "Sessions that were opened.", &self.sessions),
+            (
+                "increments",
+                "Ranges of files that were sent in sessions.",
+                &self.increments,
+            ),
+            (
+                "session_bytes",
+                "Bytes of messages that were sent in sessions.",
+                &self.session_bytes,
             ),
         ];
         let mut text = String::new();

@@ -14,6 +14,8 @@ pub struct ServeOptions {
     pub most_bytes: usize,
     /// Most requests that are answered at once; others get 503.
     pub most_requests: usize,
+    /// Most sessions at once; others get 503.
+    pub most_sessions: usize,
     /// Number of characters that are packaged at once.
     pub packaging: usize,
     /// How characters are opened.
@@ -23,7 +25,7 @@ pub struct ServeOptions {
 }
 
 impl Default for ServeOptions {
-    /// Characters of up to 256 MB, 512 requests at once, two characters packaged at once, as `articula
+    /// Characters of up to 256 MB, 512 requests and 2048 sessions at once, two characters packaged at once, as `articula
     /// package` does.
     fn default() -> Self {
         Self {
@@ -31,6 +33,7 @@ impl Default for ServeOptions {
             token: None,
             most_bytes: 256 << 20,
             most_requests: 512,
+            most_sessions: 2048,
             packaging: 2,
             open: OpenOptions::default(),
             package: PackageOptions::default(),

@@ -1,9 +1,10 @@
 //! The page for people: the characters of the folder, and how far each is.
 
 use crate::catalogue::{CharacterState, Progress};
+use crate::session::SessionReport;
 
 /// HTML of the list.
-pub(crate) fn list(states: &[(String, CharacterState)]) -> String {
+pub(crate) fn list(states: &[(String, CharacterState)], sessions: &[SessionReport]) -> String {
     let mut rows = String::new();
     let mut is_busy = false;
     for (name, state) in states {
@@ -34,7 +35,7 @@ pub(crate) fn list(states: &[(String, CharacterState)]) -> String {
         );
         rows.push_str(&row);
     }
-    let refresh = match is_busy {
+    let refresh = match is_busy || !sessions.is_empty() {
         true => "<meta http-equiv=\"refresh\" content=\"2\">",
         false => "",
     };
@@ -48,8 +49,42 @@ pub(crate) fn list(states: &[(String, CharacterState)]) -> String {
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n{refresh}\n<title>Articula</title>\n\
          <style>{STYLE}</style>\n<h1>Characters</h1>\n{empty}<table>\n\
-         <tr><th>name<th>state<th>kB<th>kB as sent<th>files\n{rows}</table>\n\
-         <p><a href=\"/v1/characters\">As JSON</a>, <a href=\"/metrics\">metrics</a>\n</html>\n"
+         <tr><th>name<th>state<th>kB<th>kB as sent<th>files\n{rows}</table>\n{}\
+         <p><a href=\"/v1/characters\">As JSON</a>, <a href=\"/v1/sessions\">sessions</a>, \
+         <a href=\"/metrics\">metrics</a>\n</html>\n",
+        monitor(sessions)
+    )
+}
+
+/// HTML of the sessions that are open, nothing if there are none.
+fn monitor(sessions: &[SessionReport]) -> String {
+    if sessions.is_empty() {
+        return String::new();
+    }
+    let mut rows = String::new();
+    for session in sessions {
+        let mut levels = Vec::new();
+        for of in &session.characters {
+            let state = if of.is_complete { ", complete" } else { "" };
+            levels.push(format!("{} {}/{}{state}", of.name, of.level, of.levels));
+        }
+        let (sent, shown) = (&session.sent, &session.shown);
+        rows.push_str(&format!(
+            "<tr><td>{}<td>{}<td>{:.0}<td>{:.0}<td>{}<td>{}<td>{:.0}<td>{:.1}<td>{}\n",
+            session.number,
+            escaped(&levels.join("; ")),
+            sent.secs,
+            sent.bandwidth_bps / 1000.0,
+            kilobytes(sent.bytes),
+            shown.joints,
+            shown.fps,
+            shown.frame_ms,
+            shown.stalls
+        ));
+    }
+    format!(
+        "<h2>Sessions</h2>\n<table>\n<tr><th>session<th>levels<th>s<th>kbit/s<th>kB sent<th>joints\
+         <th>frames/s<th>ms<th>stalls\n{rows}</table>\n"
     )
 }
 
@@ -101,7 +136,7 @@ mod tests {
             progress: Progress::Failed("<script>".into()),
             served: None,
         };
-        let html = list(&[("a\"<b> ä".to_owned(), state)]);
+        let html = list(&[("a\"<b> ä".to_owned(), state)], &[]);
         assert!(html.contains("a&quot;&lt;b&gt; ä") && html.contains("failed: &lt;script&gt;"));
         assert!(!html.contains("refresh"));
         assert_eq!(path_of("a b/ä"), "a%20b%2F%C3%A4");

@@ -7,12 +7,14 @@ use articula::item::{FileEntry, Item, MANIFEST, Manifest, compressed};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// An item, whole or a stage of it, whose files are objects.
 #[derive(Debug, Clone)]
 pub(crate) struct Served {
     /// Name of the object that is its manifest.
     pub(crate) name: ObjectName,
+    pub(crate) manifest: Arc<Manifest>,
     /// The objects of its files.
     pub(crate) files: BTreeMap<String, ObjectName>,
     /// Bytes of all files, as they are and as they are sent.
@@ -56,6 +58,7 @@ impl Served {
         };
         Self {
             name,
+            manifest: Arc::new(of.clone()),
             files: files.clone().filter_map(name_of).collect(),
             bytes: files.clone().map(|(_, entry)| entry.bytes).sum(),
             sent_bytes: files.map(|(_, entry)| entry.sent_bytes()).sum(),

@@ -1,0 +1,41 @@
+//! The upgrade of a connection to a session.
+
+use super::run::run;
+use super::state::SessionReport;
+use crate::catalogue::Catalogue;
+use crate::http::later;
+use crate::metrics::Metrics;
+use articula::client::MOST_MESSAGE_BYTES;
+use axum::extract::{State, WebSocketUpgrade};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use axum::{Json, Router};
+
+/// Bytes that wait for a client at most; who does not take them is sent nothing more.
+const MOST_WAITING_BYTES: usize = 4 * MOST_MESSAGE_BYTES;
+
+/// The routes of sessions.
+pub(crate) fn routes() -> Router<Catalogue> {
+    Router::new()
+        .route("/v1/session", get(open))
+        .route("/v1/sessions", get(sessions))
+}
+
+async fn open(State(catalogue): State<Catalogue>, upgrade: WebSocketUpgrade) -> Response {
+    let Some(place) = catalogue.sessions().open() else {
+        Metrics::add(&catalogue.metrics().overloaded, 1);
+        return later("too many sessions at once");
+    };
+    Metrics::add(&catalogue.metrics().sessions, 1);
+    upgrade
+        .max_message_size(MOST_MESSAGE_BYTES)
+        .max_frame_size(MOST_MESSAGE_BYTES)
+        .write_buffer_size(0)
+        .max_write_buffer_size(MOST_WAITING_BYTES)
+        .on_upgrade(move |socket| run(socket, catalogue, place))
+}
+
+async fn sessions(State(catalogue): State<Catalogue>) -> Response {
+    let all: Vec<SessionReport> = catalogue.sessions().reports();
+    Json(all).into_response()
+}

@@ -1,0 +1,384 @@
+//! One session: messages of its client, manifests of the catalogue, bytes of the store.
+
+use super::state::{OpenSession, SessionCharacter};
+use crate::catalogue::{Catalogue, Progress};
+use crate::metrics::Metrics;
+use crate::objects::Coding;
+use crate::record::Served;
+use articula::client::{
+    ClientMessage, Feed, FeedChange, FeedNext, FeedPlan, Increment, ServerMessage, SessionError,
+};
+use articula::item::AdaptOptions;
+use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
+use std::time::{Duration, Instant};
+use tokio::time::{sleep, timeout};
+
+/// Time for the first message, and for one of a client that says nothing else.
+const SILENCE: Duration = Duration::from_secs(30);
+/// Time in which a client takes a message.
+const STALL: Duration = Duration::from_secs(30);
+/// Messages of a client in a second.
+const MOST_MESSAGES: u32 = 100;
+
+/// Why a session ends, as its client is told; nothing if the client is gone.
+struct End(Option<String>);
+
+impl End {
+    fn gone() -> Self {
+        Self(None)
+    }
+
+    fn fault(what: impl ToString) -> Self {
+        Self(Some(what.to_string()))
+    }
+}
+
+/// Serves a session until its client leaves.
+pub(super) async fn run(mut socket: WebSocket, catalogue: Catalogue, place: OpenSession) {
+    let End(why) = match Session::begin(&mut socket, catalogue, place).await {
+        Ok(mut session) => session.serve(&mut socket).await,
+        Err(end) => end,
+    };
+    if let Some(error) = why {
+        let fault = SessionError {
+            character: None,
+            error: error.clone(),
+        };
+        let close = CloseFrame {
+            code: close_code::POLICY,
+            reason: error.chars().take(60).collect::<String>().into(),
+        };
+        let goodbye = async {
+            let _ = socket.send(message(&ServerMessage::Error(fault))).await;
+            let _ = socket.send(Message::Close(Some(close))).await;
+        };
+        // A client that takes nothing is left.
+        let _ = timeout(Duration::from_secs(2), goodbye).await;
+    }
+}
+
+/// A session that has begun.
+struct Session {
+    catalogue: Catalogue,
+    place: OpenSession,
+    feed: Feed,
+    start: Instant,
+    /// What of each character the client was told of.
+    served: Vec<Option<Told>>,
+    heard: Instant,
+    /// Messages of the second that begins at a time.
+    flood: (Instant, u32),
+}
+
+/// The state of a character that a client knows.
+struct Told {
+    served: Served,
+    is_whole: bool,
+}
+
+impl Session {
+    async fn begin(
+        socket: &mut WebSocket,
+        catalogue: Catalogue,
+        place: OpenSession,
+    ) -> Result<Self, End> {
+        let start = Instant::now();
+        let first = timeout(SILENCE, socket.recv()).await;
+        let first = first.map_err(|_| End::fault("no hello came"))?;
+        let hello = read(first)?.ok_or_else(End::gone)?;
+        let feed = Feed::new(hello, 0.0).map_err(End::fault)?;
+        let mut session = Self {
+            catalogue,
+            place,
+            feed,
+            start,
+            served: Vec::new(),
+            heard: start,
+            flood: (start, 0),
+        };
+        session.want();
+        Ok(session)
+    }
+
+    fn now(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    async fn serve(&mut self, socket: &mut WebSocket) -> End {
+        let mut news = self.catalogue.news();
+        // What was there before counts too.
+        news.mark_changed();
+        loop {
+            let is_news = news.has_changed().unwrap_or(false);
+            if is_news || self.served.iter().any(Option::is_none) {
+                news.mark_unchanged();
+                if let Err(end) = self.tell_manifests(socket).await {
+                    return end;
+                }
+            }
+            let next = self.feed.next(self.now());
+            let done = match next {
+                FeedNext::Wait(until_secs) => {
+                    let wait = Duration::from_secs_f64((until_secs - self.now()).max(0.001));
+                    tokio::select! {
+                        came = socket.recv() => self.hear(came).await,
+                        // It is looked at above.
+                        _ = news.changed() => {
+                            news.mark_changed();
+                            Ok(())
+                        }
+                        () = sleep(wait) => self.check_silence(),
+                    }
+                }
+                next => match self.say(socket, next).await {
+                    // What the client says counts before the next bytes.
+                    Ok(()) => tokio::select! {
+                        biased;
+                        came = socket.recv() => self.hear(came).await,
+                        () = std::future::ready(()) => Ok(()),
+                    },
+                    Err(end) => Err(end),
+                },
+            };
+            if let Err(end) = done {
+                return end;
+            }
+        }
+    }
+
+    fn check_silence(&self) -> Result<(), End> {
+        match self.heard.elapsed() > SILENCE {
+            true => Err(End::fault("no message for 30 s")),
+            false => Ok(()),
+        }
+    }
+
+    /// Takes a message of the client.
+    async fn hear(&mut self, came: Option<Result<Message, axum::Error>>) -> Result<(), End> {
+        let Some(message) = read(came)? else {
+            return Ok(());
+        };
+        self.heard = Instant::now();
+        if self.flood.0.elapsed() > Duration::from_secs(1) {
+            self.flood = (self.heard, 0);
+        }
+        self.flood.1 += 1;
+        if self.flood.1 > MOST_MESSAGES {
+            return Err(End::fault("more than 100 messages in a second"));
+        }
+        let changes = self.feed.take(message, self.now()).map_err(End::fault)?;
+        for change in changes {
+            match change {
+                FeedChange::Characters => self.want(),
+                FeedChange::Plan(character) => self.plan(character).await?,
+            }
+        }
+        let shown = self.feed.shown().clone();
+        self.place.report(|report| report.shown = shown);
+        Ok(())
+    }
+
+    /// Notes other characters.
+    fn want(&mut self) {
+        let names: Vec<String> = self.feed.characters().map(|of| of.name.clone()).collect();
+        self.served = names.iter().map(|_| None).collect();
+        let of = |name| SessionCharacter {
+            name,
+            ..SessionCharacter::default()
+        };
+        let characters = names.into_iter().map(of).collect();
+        self.place.report(|report| report.characters = characters);
+    }
+
+    /// Tells the client of stages that it does not know.
+    async fn tell_manifests(&mut self, socket: &mut WebSocket) -> Result<(), End> {
+        let names: Vec<String> = self.feed.characters().map(|of| of.name.clone()).collect();
+        for (character, name) in names.iter().enumerate() {
+            let Some(state) = self.catalogue.state(name) else {
+                return Err(End::fault(format!("{name}: there is no such character")));
+            };
+            if let Progress::Failed(why) = &state.progress {
+                return Err(End::fault(format!("{name}: {why}")));
+            }
+            let is_whole = state.progress == Progress::Ready;
+            let Some(served) = state.served else { continue };
+            let known = self.served[character].as_ref();
+            let is_known = known
+                .is_some_and(|told| told.served.name == served.name && told.is_whole == is_whole);
+            if is_known {
+                continue;
+            }
+            self.tell_manifest(socket, character, served, is_whole)
+                .await?;
+        }
+        Ok(())
+    }
+
+    async fn tell_manifest(
+        &mut self,
+        socket: &mut WebSocket,
+        character: usize,
+        served: Served,
+        is_whole: bool,
+    ) -> Result<(), End> {
+        let hash = served.name.as_str().to_owned();
+        let known = self.served[character].as_ref();
+        let is_same = known.is_some_and(|told| told.served.name == served.name);
+        let is_known = match is_same {
+            true => true,
+            false => self.feed.set_manifest(character, &served.manifest, &hash),
+        };
+        let bytes = match is_known {
+            true => Vec::new(),
+            false => {
+                let found = self.bytes(&served, None, Coding::Brotli).await?;
+                found.ok_or_else(|| End::fault("the manifest is not there any more"))?
+            }
+        };
+        self.served[character] = Some(Told { served, is_whole });
+        let hash = blake3::Hash::from_hex(&hash).map_err(End::fault)?;
+        let told = ServerMessage::Manifest {
+            character: character as u16,
+            is_whole,
+            hash: *hash.as_bytes(),
+            bytes,
+        };
+        self.send(socket, &told).await?;
+        match is_same {
+            true => Ok(()),
+            false => self.plan(character).await,
+        }
+    }
+
+    /// Plans a character for the context of the moment.
+    async fn plan(&mut self, character: usize) -> Result<(), End> {
+        let Some(Some(told)) = self.served.get(character) else {
+            return Ok(());
+        };
+        let (hash, manifest) = (told.served.name.clone(), told.served.manifest.clone());
+        let context = self.feed.context_of(character);
+        let catalogue = self.catalogue.clone();
+        let made = tokio::task::spawn_blocking(move || {
+            let layers = catalogue.plans().get(hash.as_str(), &manifest, &context);
+            FeedPlan::new(layers, &manifest, &context, &AdaptOptions::default())
+        });
+        let plan = made.await.map_err(End::fault)?.map_err(End::fault)?;
+        self.feed.set_plan(character, plan, self.now());
+        Ok(())
+    }
+
+    /// Sends what comes next.
+    async fn say(&mut self, socket: &mut WebSocket, next: FeedNext) -> Result<(), End> {
+        let said = match next {
+            FeedNext::Wait(_) => return Ok(()),
+            FeedNext::Bytes(increment, file) => {
+                let bytes = self.increment(&increment, file).await?;
+                let metrics = self.catalogue.metrics();
+                Metrics::add(&metrics.increments, 1);
+                bytes
+            }
+            FeedNext::Decision(decision) => {
+                let (number, level, levels) = (decision.character, decision.level, decision.levels);
+                self.place.report(|report| {
+                    if let Some(of) = report.characters.get_mut(usize::from(number)) {
+                        (of.level, of.levels, of.is_complete) = (level, levels, false);
+                    }
+                });
+                ServerMessage::Decision(decision)
+            }
+            FeedNext::Complete(character) => {
+                self.place.report(|report| {
+                    if let Some(of) = report.characters.get_mut(usize::from(character)) {
+                        of.is_complete = true;
+                    }
+                });
+                ServerMessage::Complete { character }
+            }
+            FeedNext::Statistics(statistics) => {
+                self.place.report(|report| report.sent = statistics);
+                ServerMessage::Statistics(statistics)
+            }
+        };
+        self.send(socket, &said).await
+    }
+
+    async fn increment(&self, of: &Increment, file: u16) -> Result<ServerMessage, End> {
+        let told = self.served.get(of.character).and_then(Option::as_ref);
+        let told = told.ok_or_else(|| End::fault("bytes of nothing"))?;
+        let lost = || End::fault(format!("{} is not there any more", of.file));
+        let short = match of.is_whole {
+            true => {
+                self.bytes(&told.served, Some(&of.file), Coding::Brotli)
+                    .await?
+            }
+            false => None,
+        };
+        let is_compressed = short.is_some();
+        let bytes = match short {
+            Some(short) => short,
+            None => {
+                let whole = self
+                    .bytes(&told.served, Some(&of.file), Coding::Identity)
+                    .await?;
+                let range = of.range.start as usize..of.range.end as usize;
+                let whole = whole.ok_or_else(lost)?;
+                whole.get(range).ok_or_else(lost)?.to_vec()
+            }
+        };
+        Ok(ServerMessage::Bytes {
+            character: of.character as u16,
+            file,
+            offset: of.range.start,
+            is_compressed,
+            bytes,
+        })
+    }
+
+    /// The bytes of a file of an item, or of its manifest.
+    async fn bytes(
+        &self,
+        served: &Served,
+        file: Option<&str>,
+        coding: Coding,
+    ) -> Result<Option<Vec<u8>>, End> {
+        let name = match file {
+            Some(file) => served.files.get(file).cloned(),
+            None => Some(served.name.clone()),
+        };
+        let Some(name) = name else { return Ok(None) };
+        let catalogue = self.catalogue.clone();
+        let read = tokio::task::spawn_blocking(move || catalogue.objects().get(&name, coding));
+        read.await.map_err(End::fault)?.map_err(End::fault)
+    }
+
+    async fn send(&self, socket: &mut WebSocket, said: &ServerMessage) -> Result<(), End> {
+        let said = message(said);
+        let bytes = match &said {
+            Message::Binary(bytes) => bytes.len() as u64,
+            _ => 0,
+        };
+        Metrics::add(&self.catalogue.metrics().session_bytes, bytes);
+        match timeout(STALL, socket.send(said)).await {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(_)) => Err(End::gone()),
+            Err(_) => Err(End::fault("the client takes nothing")),
+        }
+    }
+}
+
+fn message(said: &ServerMessage) -> Message {
+    Message::Binary(said.to_bytes().into())
+}
+
+/// A message of a client, if that is what came.
+fn read(came: Option<Result<Message, axum::Error>>) -> Result<Option<ClientMessage>, End> {
+    match came {
+        None | Some(Ok(Message::Close(_))) => Err(End::gone()),
+        Some(Err(error)) => Err(End::fault(error)),
+        Some(Ok(Message::Binary(bytes))) => {
+            ClientMessage::read(&bytes).map(Some).map_err(End::fault)
+        }
+        Some(Ok(Message::Text(_))) => Err(End::fault("a message is text; they are binary")),
+        Some(Ok(Message::Ping(_) | Message::Pong(_))) => Ok(None),
+    }
+}
