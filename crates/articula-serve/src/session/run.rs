@@ -1,4 +1,5 @@
 //! One session: messages of its client, manifests of the catalogue, bytes of the store.
+#![allow(clippy::disallowed_methods, reason = "a session has a clock")]
 
 use super::state::{OpenSession, SessionCharacter};
 use crate::catalogue::{Catalogue, Progress};

@@ -10,4 +10,5 @@ mod client;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod refusals;
+mod sessions;
 mod stages;

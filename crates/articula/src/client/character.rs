@@ -17,6 +17,9 @@ const REFINEMENT_SECS: f32 = 0.2;
 /// Least time between two figures of a character, seconds: making one takes longer than a frame.
 const REMAKE_SECS: f64 = 0.25;
 
+/// Level of articulation at level 0 of the articulation of a rig.
+const FINEST_LOA: u32 = 5;
+
 /// A character of a client.
 #[derive(Debug)]
 pub struct ClientCharacter {
@@ -40,6 +43,8 @@ pub struct ClientCharacter {
     /// For each piece of the plan whether it is there.
     there: Option<Vec<bool>>,
     is_waiting: bool,
+    /// Whether a later stage of the item is received, and what plays is not there of it.
+    is_renewed: bool,
 }
 
 #[derive(Debug, Default)]
@@ -103,6 +108,7 @@ impl ClientCharacter {
             version: 0,
             there: None,
             is_waiting: false,
+            is_renewed: false,
         }
     }
 
@@ -163,6 +169,7 @@ impl ClientCharacter {
     pub(super) fn note_stage(&mut self) {
         self.there = None;
         self.changed.figure = true;
+        self.is_renewed = true;
     }
 
     /// Notes that other pieces may be there, or others asked for.
@@ -183,19 +190,26 @@ impl ClientCharacter {
         };
         self.update_there(plan);
         let ahead = self.position_secs() + dt_secs;
-        let there = self.there.as_deref().unwrap_or_default();
-        let is_ready = plan.is_ready(there, ahead);
-        if is_ready || self.shown.is_some() {
+        let is_ready = plan.is_ready(self.there.as_deref().unwrap_or_default(), ahead);
+        if is_ready {
+            self.is_renewed = false;
             self.refresh(now_secs)?;
         }
-        if self.shown.is_some() && !is_ready && !self.is_waiting {
+        // What a stage before had plays on until this one has it.
+        let plays = is_ready || self.is_renewed;
+        if self.shown.is_some() && !plays && !self.is_waiting {
             self.stalls += 1;
         }
-        self.is_waiting = !is_ready;
+        self.is_waiting = !plays;
+        let there = self.there.as_deref().unwrap_or_default();
+        // What was not sent rests, and costs nothing.
+        let sent = plan
+            .loa(there, ahead)
+            .map_or(0, |loa| FINEST_LOA.saturating_sub(loa) as usize);
         if let Some(shown) = &mut self.shown {
-            let dt_secs = if is_ready { dt_secs } else { 0.0 };
+            let dt_secs = if plays { dt_secs } else { 0.0 };
             shown.player.advance(dt_secs as f32, &mut |_| {});
-            shown.articulation.request(level);
+            shown.articulation.request(level.max(sent));
             let views = FigureViews::Cameras(&[]);
             shown.player.control(&mut shown.articulation, views);
         }

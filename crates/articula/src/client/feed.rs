@@ -320,8 +320,9 @@ impl Feed {
     fn begin(&mut self, character: usize, now_secs: f64) {
         let of = &self.characters[character];
         if let (Some(plan), Some(held)) = (&of.plan, &of.held) {
-            let (layers, flat) = (plan.plan.as_ref(), plan.flat.clone());
-            self.planner.set(character, layers, flat, held);
+            let sent = (plan.plan.as_ref(), plan.flat.clone());
+            let clip = of.wanted.clip.as_deref();
+            self.planner.set(character, sent, held, clip);
             self.place(character, now_secs);
         }
     }

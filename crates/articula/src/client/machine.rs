@@ -22,6 +22,8 @@ const LONGEST_PAUSE_SECS: f64 = 8.0;
 const MOST_FAULTS: u32 = 8;
 /// Longest pause within one transfer of a session, seconds.
 const TRANSFER_PAUSE_SECS: f64 = 0.05;
+/// Shortest transfer that is told apart: a short body comes together with its head, at no rate at all.
+const LEAST_TRANSFER_SECS: f64 = 1e-3;
 /// Time between two updates of a session, seconds.
 const UPDATE_SECS: f64 = 1.0;
 /// Levels of articulation that slow frames are left with, at least.
@@ -364,7 +366,12 @@ impl Client {
                 Ok(())
             }
             (Asked::Increment(increment), ClientAnswer::Bytes { bytes, transfer }) => {
-                self.throughput.add(transfer);
+                self.throughput.add(Transfer {
+                    first_byte_secs: transfer
+                        .first_byte_secs
+                        .min(transfer.last_byte_secs - LEAST_TRANSFER_SECS),
+                    ..transfer
+                });
                 let (number, file) = (increment.character, &increment.file);
                 self.take_bytes(number, file, increment.range.start, &bytes)?;
                 self.take_stages()
@@ -540,7 +547,7 @@ impl Client {
         if now_secs - last <= TRANSFER_PAUSE_SECS {
             self.throughput.add(Transfer {
                 bytes,
-                first_byte_secs: last,
+                first_byte_secs: last.min(now_secs - LEAST_TRANSFER_SECS),
                 last_byte_secs: now_secs,
             });
         }
@@ -635,7 +642,8 @@ impl Client {
             (Err(error), None) => return Err(error).with_context(|| of.name.clone()),
             (plan, _) => plan.ok(),
         };
-        self.planner.set(number, plan.as_ref(), flat, &held);
+        let clip = of.clip.as_deref();
+        self.planner.set(number, (plan.as_ref(), flat), &held, clip);
         self.planner.weigh(number, of.importance);
         Ok(())
     }

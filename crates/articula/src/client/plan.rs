@@ -252,6 +252,18 @@ impl CharacterPlan {
         delivery.missing_of_shape(there, least).is_empty() && now.is_none_or(has_unit)
     }
 
+    /// The finest level of articulation of the body that is there of what plays at a position; `None` of a
+    /// motion without levels.
+    pub(super) fn loa(&self, there: &[bool], position_secs: f64) -> Option<u32> {
+        let delivery = &self.planned.delivery;
+        let part = self.playing?;
+        let unit = self.near(position_secs).first().and_then(|(unit, _)| *unit);
+        let layers = delivery.layers_there(there, part, unit);
+        let layers = delivery.manifest.parts[part].layers.iter().zip(layers);
+        let loa = layers.filter_map(|(layer, there)| layer.keep.get("loa").filter(|_| there));
+        loa.max().copied()
+    }
+
     /// Describes what is there of what plays at a position.
     pub(super) fn describe(
         &self,

@@ -50,13 +50,14 @@ struct Position {
 }
 
 impl Planner {
-    /// Sets what may come of a character: the layers of a plan, and before them a form in 2D.
+    /// Sets what may come of a character: the layers of a plan, and before them a form in 2D. `clip` is the
+    /// motion that plays.
     pub(super) fn set(
         &mut self,
         character: usize,
-        plan: Option<&DeliveryPlan>,
-        flat: Option<(String, u64)>,
+        (plan, flat): (Option<&DeliveryPlan>, Option<(String, u64)>),
         held: &ItemBytes,
+        clip: Option<&str>,
     ) {
         let flat = flat.into_iter().map(|(file, bytes)| Chunk {
             file,
@@ -64,7 +65,10 @@ impl Planner {
             is_whole: true,
         });
         let flat = flat.filter(|chunk| !held.has(&chunk.file, &chunk.range));
-        let plan = plan.map(|plan| CharacterPlan::new(plan, held));
+        let mut plan = plan.map(|plan| CharacterPlan::new(plan, held));
+        if let Some(plan) = &mut plan {
+            plan.play(clip);
+        }
         let before = self.characters.remove(&character);
         // Who comes later begins where the others are.
         let least = self.least_served();

@@ -1,35 +1,41 @@
 //! `articula play URL`: shows a served character while it arrives.
 //!
 //! - `server`: requests to a server
-//! - `follow`: what is fetched of a character, stage by stage
-//! - `screen`: pictures in a terminal
+//! - `fetch`, `link`: what the client asks for over HTTP, and a session, on threads of their own
+//! - `event`, `keys`: what happens to the client
+//! - `slider`: a bandwidth that changes over time
+//! - `show`: the loop that shows it
+//! - `monitor`: what is shown, in numbers
+//! - `output`, `screen`: where pictures go
 
-mod follow;
+mod event;
+mod fetch;
+mod keys;
+mod link;
+mod monitor;
+mod output;
 mod screen;
 mod server;
+mod show;
+mod slider;
 
 use crate::console::Console;
 use crate::fault;
-use crate::files;
-use anyhow::Context as _;
-use articula::Figure;
-use articula::core::{Wrap, sample, sample_morphs};
-use articula::flat::Picture;
+use articula::client::{Client, ClientOptions};
 use articula::stream::description::Context;
-use articula_report::Artist;
 use clap::Args;
-use follow::{Arrived, Follower};
+use keys::Keys;
+use monitor::Sample;
+use output::Output;
 use screen::Screen;
 use serde::Serialize;
 use server::Server;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::{Duration, Instant};
+use show::Show;
+use slider::Slider;
+use std::path::PathBuf;
+use std::sync::mpsc::channel;
+use std::time::Instant;
 
-/// Pictures per second.
-const FPS: f64 = 20.0;
-/// Width and height of pictures that are written.
-const WRITTEN_PX: (u32, u32) = (480, 640);
 /// Seconds that are shown where nobody can end it.
 const SECONDS: f64 = 10.0;
 
@@ -41,73 +47,48 @@ pub(crate) struct PlayArgs {
     url: String,
     /// Name of the character; not needed if the server has one
     name: Option<String>,
+    /// Let the server decide, in a session over WebSocket [default: decide here, and fetch ranges]
+    #[arg(long)]
+    session: bool,
     /// Name of the clip to show [default: the first that arrives]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
-    /// Bandwidth for which is chosen what to fetch, kbit/s [default: all of it]
+    /// Most bandwidth to use, kbit/s [default: what the network has]; the keys left and right halve and double
+    /// it
     #[arg(long, value_name = "KBPS")]
     bandwidth_kbps: Option<f64>,
-    /// Distance in metres for which is chosen what to fetch
+    /// Change the bandwidth over time: from so many seconds after the first picture on so many kbit/s, or `full`
+    #[arg(long, value_name = "S:KBPS,...", conflicts_with = "bandwidth_kbps")]
+    slider: Option<Slider>,
+    /// Distance in metres for which is chosen what to fetch; the keys up and down halve and double it
     #[arg(long, value_name = "M")]
     distance_m: Option<f32>,
-    /// Seconds to show, from the first picture on [default: 10, or until Ctrl-C in a terminal]
+    /// Seconds to show, from the first picture on [default: 10, or until `q` or Ctrl-C in a terminal]
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
     /// Write pictures into a folder, in place of the terminal
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
+    /// Show bandwidth, decision, layers, joints, times and memory below the picture, or write them for each
+    /// second; the key `m` in a terminal
+    #[arg(long)]
+    monitor: bool,
 }
 
 /// What was shown.
 #[derive(Debug, Serialize)]
 struct Played {
     name: String,
+    /// `session` or `http`.
+    by: &'static str,
     /// Time from the start to the first picture.
     first_picture_secs: f64,
     pictures: usize,
-    arrived: Vec<ArrivedReport>,
+    /// A moment of each second, and each at which another level was there.
+    samples: Vec<Sample>,
 }
 
-/// Something that was shown from then on.
-#[derive(Debug, Serialize)]
-struct ArrivedReport {
-    secs: f64,
-    bytes: u64,
-    error_px: f64,
-    triangles: usize,
-    clips: usize,
-    is_all: bool,
-}
-
-impl ArrivedReport {
-    fn new(arrived: &Arrived, secs: f64) -> Self {
-        Self {
-            secs,
-            bytes: arrived.bytes,
-            error_px: arrived.error_px,
-            triangles: arrived.figure.asset.mesh.triangles.len(),
-            clips: arrived.figure.asset.clips.len(),
-            is_all: arrived.is_all,
-        }
-    }
-
-    fn line(&self) -> String {
-        let rest = if self.is_all {
-            "all that is chosen"
-        } else {
-            "more to come"
-        };
-        format!(
-            "{:.1} kB, error at most {:.2} px, {} triangles, {} clips; {rest}",
-            self.bytes as f64 / 1e3,
-            self.error_px,
-            self.triangles,
-            self.clips
-        )
-    }
-}
-
-/// Fetches on one thread and shows on another.
+/// Fetches a character and shows it.
 pub(crate) fn run(args: &PlayArgs, console: &Console) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut output = args.output(console)?;
@@ -116,71 +97,51 @@ pub(crate) fn run(args: &PlayArgs, console: &Console) -> anyhow::Result<()> {
         Some(name) => name.clone(),
         None => server.only_character()?,
     };
-    let (sender, arrivals) = std::sync::mpsc::channel();
-    let follower = Follower::new(server, &name, args.context());
-    let following = std::thread::spawn(move || follower.follow(&sender));
-    let played = Show {
-        args,
+    let mut client = Client::new(&args.context(), &ClientOptions::default())?;
+    let character = client.add(&name);
+    client.play(character, args.clip.as_deref(), 0.0);
+    let (sender, events) = channel();
+    let _keys = match &output {
+        Output::Terminal(_) => Keys::start(&sender),
+        Output::Folder(..) | Output::Nowhere => None,
+    };
+    let show = Show {
+        server,
         start,
-        arrivals,
-        reports: Vec::new(),
-        first: None,
-        pictures: 0,
+        client,
+        is_session: args.session,
+        slider: args.slider.as_ref(),
+        seconds: args.seconds(&output),
+        has_monitor: args.monitor,
     };
-    let shown = played.run(&mut output);
-    // What could not be fetched explains why nothing is shown.
-    if shown.first.is_none() || following.is_finished() {
-        let followed = following.join();
-        followed.map_err(|_| anyhow::anyhow!("the thread that fetches ended"))??;
-    }
-    shown.fault?;
-    let Some(first) = shown.first else {
-        anyhow::bail!("{name}: nothing arrived to be shown");
-    };
+    let shown = show.run(&events, &sender, &mut output)?;
     let played = Played {
         name,
-        first_picture_secs: (first - start).as_secs_f64(),
+        by: if args.session { "session" } else { "http" },
+        first_picture_secs: shown.first_picture_secs(start)?,
         pictures: shown.pictures,
-        arrived: shown.reports,
+        samples: shown.samples,
     };
     console.result(&played, |played| {
         let mut text = format!(
             "{}: first picture after {:.2} s, {} pictures\n",
             played.name, played.first_picture_secs, played.pictures
         );
-        for arrived in &played.arrived {
-            text.push_str(&format!("{:8.2} s  {}\n", arrived.secs, arrived.line()));
+        for sample in &played.samples {
+            let more = match args.monitor {
+                true => format!(
+                    "; {:.0} kB/s, {} joints, {:.0} pictures/s, {:.1} ms",
+                    sample.bytes_per_second / 1e3,
+                    sample.joints_sampled,
+                    sample.fps,
+                    sample.frame_ms
+                ),
+                false => String::new(),
+            };
+            text.push_str(&format!("{:8.2} s  {}{more}\n", sample.secs, sample.line()));
         }
         text
     })
-}
-
-/// Where pictures go.
-enum Output<'a> {
-    Terminal(Screen),
-    Folder(&'a Console, &'a Path),
-    /// Drawn, and measured alone.
-    Nowhere,
-}
-
-impl Output<'_> {
-    fn size(&self) -> (u32, u32) {
-        match self {
-            Self::Terminal(screen) => screen.size(),
-            Self::Folder(..) | Self::Nowhere => WRITTEN_PX,
-        }
-    }
-
-    fn show(&mut self, number: usize, picture: &Picture, below: &str) -> anyhow::Result<()> {
-        match self {
-            Self::Terminal(screen) => screen.show(picture, below),
-            Self::Folder(console, folder) => {
-                let path = folder.join(format!("{number:05}.png"));
-                files::write_png(&console.files, &path, picture).map(drop)
-            }
-            Self::Nowhere => Ok(()),
-        }
-    }
 }
 
 impl PlayArgs {
@@ -213,94 +174,6 @@ impl PlayArgs {
         match output {
             Output::Terminal(_) => self.seconds,
             Output::Folder(..) | Output::Nowhere => Some(self.seconds.unwrap_or(SECONDS)),
-        }
-    }
-}
-
-/// What is shown as it arrives.
-struct Show<'a> {
-    args: &'a PlayArgs,
-    start: Instant,
-    arrivals: Receiver<Arrived>,
-    reports: Vec<ArrivedReport>,
-    /// When the first picture was shown.
-    first: Option<Instant>,
-    pictures: usize,
-}
-
-/// What was shown in the end.
-struct Shown {
-    fault: anyhow::Result<()>,
-    reports: Vec<ArrivedReport>,
-    first: Option<Instant>,
-    pictures: usize,
-}
-
-impl Show<'_> {
-    fn run(mut self, output: &mut Output<'_>) -> Shown {
-        let fault = self.show(output);
-        Shown {
-            fault,
-            reports: self.reports,
-            first: self.first,
-            pictures: self.pictures,
-        }
-    }
-
-    /// Shows what arrives, until the time is over. The clip goes on when more of it is there.
-    fn show(&mut self, output: &mut Output<'_>) -> anyhow::Result<()> {
-        let Ok(mut arrived) = self.arrivals.recv() else {
-            return Ok(());
-        };
-        loop {
-            let report = ArrivedReport::new(&arrived, self.start.elapsed().as_secs_f64());
-            let below = report.line();
-            self.reports.push(report);
-            match self.until_more(&arrived.figure, &below, output)? {
-                Some(more) => arrived = more,
-                None => return Ok(()),
-            }
-        }
-    }
-
-    /// Shows a figure until more of it arrives; `None` at the end.
-    fn until_more(
-        &mut self,
-        figure: &Figure,
-        below: &str,
-        output: &mut Output<'_>,
-    ) -> anyhow::Result<Option<Arrived>> {
-        let mut artist = Artist::of_figure(figure, output.size());
-        let asset = &figure.asset;
-        let clip = self.args.clip.as_deref();
-        let named = asset
-            .clips
-            .iter()
-            .find(|c| clip.is_none_or(|name| c.name == name));
-        let seconds = self.args.seconds(output);
-        loop {
-            let now = Instant::now();
-            let secs = self.first.map_or(0.0, |first| (now - first).as_secs_f64());
-            if seconds.is_some_and(|most| secs >= most) {
-                return Ok(None);
-            }
-            let mut pose = asset.rig.rest_pose().clone();
-            let mut morphs = asset.mesh.morph_weights.clone();
-            if let Some(clip) = named.or(asset.clips.first()) {
-                sample(clip, secs, Wrap::Loop, &asset.rig.all(), &mut pose);
-                sample_morphs(clip, secs, Wrap::Loop, &mut morphs);
-            }
-            let picture = artist.figure(&pose, morphs).context("the picture")?;
-            self.first.get_or_insert_with(Instant::now);
-            output.show(self.pictures, &picture, below)?;
-            self.pictures += 1;
-            let next = Duration::from_secs_f64(1.0 / FPS).saturating_sub(now.elapsed());
-            match self.arrivals.recv_timeout(next) {
-                Ok(more) => return Ok(Some(more)),
-                Err(RecvTimeoutError::Timeout) => {}
-                // Nothing more comes.
-                Err(RecvTimeoutError::Disconnected) => std::thread::sleep(next),
-            }
         }
     }
 }

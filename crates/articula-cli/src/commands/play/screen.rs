@@ -8,12 +8,15 @@ use terminal_size::{Height, Width, terminal_size};
 
 /// Most columns and rows that are drawn.
 const MOST: (u16, u16) = (160, 60);
+/// Rows of a monitor.
+const MONITOR_ROWS: u32 = 5;
 
 /// A terminal.
 pub(crate) struct Screen {
     columns: u32,
     rows: u32,
-    is_cleared: bool,
+    /// Height of the picture that is shown, pixels; 0 without one.
+    shown_rows: u32,
 }
 
 impl Screen {
@@ -25,29 +28,33 @@ impl Screen {
         let (Width(columns), Height(rows)) = terminal_size()?;
         Some(Self {
             columns: u32::from(columns.clamp(10, MOST.0)),
-            // The last one is for text.
-            rows: u32::from(rows.clamp(6, MOST.1)) - 1,
-            is_cleared: false,
+            rows: u32::from(rows.clamp(12, MOST.1)),
+            shown_rows: 0,
         })
     }
 
-    /// Width and height of a picture that fills it, in pixels.
-    pub(crate) fn size(&self) -> (u32, u32) {
-        (self.columns, 2 * self.rows)
+    /// Width and height of a picture that fills it, in pixels, with a monitor below it or one line.
+    pub(crate) fn size(&self, has_monitor: bool) -> (u32, u32) {
+        let text = if has_monitor { MONITOR_ROWS } else { 1 };
+        (self.columns, 2 * (self.rows - text))
     }
 
-    /// Draws a picture over the one before, and a line of text below it.
-    pub(crate) fn show(&mut self, picture: &Picture, below: &str) -> anyhow::Result<()> {
+    /// Draws a picture over the one before, and lines of text below it.
+    pub(crate) fn show(&mut self, picture: &Picture, below: &[String]) -> anyhow::Result<()> {
         let mut text = String::new();
-        if !self.is_cleared {
+        if self.shown_rows != picture.height() {
             text.push_str("\x1b[2J");
-            self.is_cleared = true;
+            self.shown_rows = picture.height();
         }
         text.push_str("\x1b[H");
         text.push_str(&blocks(picture));
-        let line: String = below.chars().take(self.columns as usize).collect();
-        text.push_str(&line);
-        text.push_str("\x1b[K");
+        for (number, line) in below.iter().enumerate() {
+            if number > 0 {
+                text.push_str("\r\n");
+            }
+            text.extend(line.chars().take(self.columns as usize));
+            text.push_str("\x1b[K");
+        }
         let mut out = std::io::stdout().lock();
         let written = out.write_all(text.as_bytes()).and_then(|()| out.flush());
         written.context("standard output")

@@ -3,7 +3,7 @@
 use crate::fault::{self, clean};
 use anyhow::{Context, bail};
 use serde::Deserialize;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Longest time of a request; one that waits for news is answered within half of it.
 const TIMEOUT: Duration = Duration::from_secs(60);
@@ -11,6 +11,7 @@ const TIMEOUT: Duration = Duration::from_secs(60);
 const MOST_BYTES: u64 = 1 << 30;
 
 /// A server.
+#[derive(Clone)]
 pub(crate) struct Server {
     agent: ureq::Agent,
     /// Its address without the last `/`.
@@ -20,7 +21,12 @@ pub(crate) struct Server {
 /// What a server answered.
 pub(crate) struct Answer {
     pub(crate) status: u16,
-    pub(crate) tag: String,
+    /// Content coding of the body; empty without one.
+    pub(crate) coding: String,
+    /// Whether a manifest is that of the whole item, `ready`.
+    pub(crate) state: String,
+    /// When the head had come.
+    pub(crate) first_byte: Instant,
     pub(crate) body: Vec<u8>,
 }
 
@@ -54,6 +60,11 @@ impl Server {
         })
     }
 
+    /// Address of its sessions.
+    pub(crate) fn session_url(&self) -> String {
+        format!("{}/v1/session", self.base.replacen("http", "ws", 1))
+    }
+
     /// The name of the only character of the server.
     pub(crate) fn only_character(&self) -> anyhow::Result<String> {
         let answer = self.get("/v1/characters", &[])?;
@@ -82,13 +93,17 @@ impl Server {
         }
         let at = || url.clone();
         let mut response = request.call().with_context(at)?;
-        let tag = response
-            .headers()
-            .get("etag")
-            .and_then(|tag| tag.to_str().ok());
+        let first_byte = Instant::now();
+        let header = |name: &str| {
+            let value = response.headers().get(name);
+            let text = value.and_then(|value| value.to_str().ok());
+            text.unwrap_or_default().to_owned()
+        };
         Ok(Answer {
             status: response.status().as_u16(),
-            tag: tag.unwrap_or_default().to_owned(),
+            coding: header("content-encoding"),
+            state: header("articula-state"),
+            first_byte,
             body: {
                 let body = response.body_mut().with_config().limit(MOST_BYTES);
                 body.read_to_vec().with_context(at)?
