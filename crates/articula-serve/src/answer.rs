@@ -3,7 +3,7 @@
 use crate::metrics::Metrics;
 use crate::objects::{Coding, ObjectName};
 use crate::range::{Asked, asked};
-use axum::body::Body;
+use axum::body::{Body, Bytes};
 use axum::http::header::{
     ACCEPT_ENCODING, ACCEPT_RANGES, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_RANGE, CONTENT_TYPE,
     ETAG, IF_NONE_MATCH, IF_RANGE, RANGE, VARY,
@@ -25,7 +25,7 @@ impl Answer<'_> {
         &self,
         request: &HeaderMap,
         metrics: &Metrics,
-        mut load: impl FnMut(Coding) -> Result<Option<Vec<u8>>, E>,
+        mut load: impl FnMut(Coding) -> Result<Option<Bytes>, E>,
     ) -> Result<Option<Response>, E> {
         let range = text(request, RANGE);
         let mut short = None;
@@ -73,11 +73,11 @@ impl Answer<'_> {
                 let last = part.end - 1;
                 let of = format!("bytes {}-{last}/{}", part.start, whole.len());
                 put(CONTENT_RANGE, &of);
-                (StatusCode::PARTIAL_CONTENT, whole[part].to_vec())
+                (StatusCode::PARTIAL_CONTENT, whole.slice(part))
             }
             Asked::Unsatisfiable => {
                 put(CONTENT_RANGE, &format!("bytes */{}", whole.len()));
-                (StatusCode::RANGE_NOT_SATISFIABLE, Vec::new())
+                (StatusCode::RANGE_NOT_SATISFIABLE, Bytes::new())
             }
         };
         Metrics::add(&metrics.body_bytes, body.len() as u64);

@@ -91,7 +91,7 @@ impl Catalogue {
         let made = root.join(MADE);
         let catalogue = Self(Arc::new(Shared {
             root: root.to_path_buf(),
-            objects: Objects::new(made.join("objects")),
+            objects: Objects::new(made.join("objects"), options.most_recent_bytes),
             records: Records::new(made.join("items"), options),
             options: options.clone(),
             metrics: Metrics::default(),

@@ -304,8 +304,23 @@ async fn object(
     stored(&catalogue, &answer, &request).await
 }
 
+/// An object that is not in memory.
+struct Elsewhere;
+
 /// Answers with an object of the store.
 async fn stored(catalogue: &Catalogue, answer: &Answer<'_>, request: &HeaderMap) -> Response {
+    let metrics = catalogue.metrics();
+    let objects = catalogue.objects();
+    let recent = |coding| {
+        objects
+            .recent(answer.name, coding)
+            .map(Some)
+            .ok_or(Elsewhere)
+    };
+    if let Ok(Some(response)) = answer.of(request, metrics, recent) {
+        Metrics::add(&metrics.recent, 1);
+        return response;
+    }
     let (catalogue, request) = (catalogue.clone(), request.clone());
     let (name, media_type, cache_control) =
         (answer.name.clone(), answer.media_type, answer.cache_control);

@@ -15,6 +15,7 @@ pub(crate) struct Metrics {
     pub(crate) stages: AtomicU64,
     pub(crate) packaged: AtomicU64,
     pub(crate) failed: AtomicU64,
+    pub(crate) recent: AtomicU64,
     pub(crate) sessions: AtomicU64,
     pub(crate) increments: AtomicU64,
     pub(crate) session_bytes: AtomicU64,
@@ -56,6 +57,11 @@ impl Metrics {
                 "failed",
                 "Characters that could not be packaged.",
                 &self.failed,
+            ),
+            (
+                "recent",
+                "Answers with an object that was in memory.",
+                &self.recent,
             ),
             ("sessions", "Sessions that were opened.", &self.sessions),
             (

@@ -1,13 +1,17 @@
-//! Bytes by their hash, in a folder: what is there never changes.
+//! Bytes by their hash, in a folder and, as far as they are asked for, in memory: what is there never changes.
 #![allow(clippy::disallowed_methods, reason = "the store is a folder")]
 
 use crate::error::ServeError;
+use articula::item::decompressed;
+use axum::body::Bytes;
+use quick_cache::Weighter;
+use quick_cache::sync::Cache;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of an object: 64 hexadecimal digits.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct ObjectName(String);
 
 impl ObjectName {
@@ -28,7 +32,7 @@ impl ObjectName {
 }
 
 /// In which form an object is stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Coding {
     /// Its bytes.
     Identity,
@@ -36,15 +40,37 @@ pub(crate) enum Coding {
     Brotli,
 }
 
+/// Number of objects that are expected in memory, and what each takes beyond its bytes.
+const EXPECTED: usize = 4096;
+const OVERHEAD: u64 = 128;
+/// Most bytes of an object when it is decompressed, to check it.
+const MOST_BYTES: u64 = 1 << 30;
+
 /// A folder of objects.
 #[derive(Debug)]
 pub(crate) struct Objects {
     folder: PathBuf,
+    /// What was asked for last, each checked against its name.
+    recent: Cache<(ObjectName, Coding), Bytes, ByBytes>,
+}
+
+/// Objects count by their bytes.
+#[derive(Debug, Clone)]
+struct ByBytes;
+
+impl Weighter<(ObjectName, Coding), Bytes> for ByBytes {
+    fn weight(&self, _: &(ObjectName, Coding), bytes: &Bytes) -> u64 {
+        bytes.len() as u64 + OVERHEAD
+    }
 }
 
 impl Objects {
-    pub(crate) fn new(folder: PathBuf) -> Self {
-        Self { folder }
+    /// Objects of a folder, of which so many bytes are kept in memory.
+    pub(crate) fn new(folder: PathBuf, most_bytes: u64) -> Self {
+        Self {
+            folder,
+            recent: Cache::with_weighter(EXPECTED, most_bytes, ByBytes),
+        }
     }
 
     /// Stores an object, unless it is there.
@@ -61,18 +87,42 @@ impl Objects {
         }
     }
 
+    /// Returns an object that is in memory.
+    pub(crate) fn recent(&self, name: &ObjectName, coding: Coding) -> Option<Bytes> {
+        self.recent.get(&(name.clone(), coding))
+    }
+
     /// Returns an object; `None` if there is no such one.
+    ///
+    /// # Errors
+    /// [`ServeError::Store`] for a file that cannot be read, or has other bytes than its name says.
     pub(crate) fn get(
         &self,
         name: &ObjectName,
         coding: Coding,
-    ) -> Result<Option<Vec<u8>>, ServeError> {
-        let path = self.path(name, coding);
-        match fs::read(&path) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(ServeError::store(&path, &error)),
+    ) -> Result<Option<Bytes>, ServeError> {
+        if let Some(bytes) = self.recent(name, coding) {
+            return Ok(Some(bytes));
         }
+        let path = self.path(name, coding);
+        let bytes = match fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(ServeError::store(&path, &error)),
+        };
+        let hash = match coding {
+            Coding::Identity => Some(ObjectName::of(&bytes)),
+            Coding::Brotli => decompressed(&bytes, MOST_BYTES)
+                .ok()
+                .map(|whole| ObjectName::of(&whole)),
+        };
+        if hash.as_ref() != Some(name) {
+            let what = "its bytes are not those of its name; remove the folder .articula, all is made anew";
+            return Err(ServeError::store(&path, &std::io::Error::other(what)));
+        }
+        let bytes = Bytes::from(bytes);
+        self.recent.insert((name.clone(), coding), bytes.clone());
+        Ok(Some(bytes))
     }
 
     fn path(&self, name: &ObjectName, coding: Coding) -> PathBuf {
@@ -135,14 +185,37 @@ mod tests {
     #[test]
     fn an_object_is_found_again_and_stays_as_it_was() {
         let folder = tempfile::tempdir().unwrap();
-        let objects = Objects::new(folder.path().join("objects"));
+        let walk = b"walk ".repeat(50);
+        let short = articula::item::compressed("a.txt", &walk).unwrap();
+        let name = ObjectName::of(&walk);
+        // In memory, and too large for it.
+        for most_bytes in [1 << 20, 10] {
+            let objects = Objects::new(folder.path().join(format!("{most_bytes}")), most_bytes);
+            assert_eq!(objects.get(&name, Coding::Identity).unwrap(), None);
+            objects.put(&name, Coding::Identity, &walk).unwrap();
+            objects.put(&name, Coding::Identity, b"other").unwrap();
+            objects.put(&name, Coding::Brotli, &short).unwrap();
+            for _ in 0..2 {
+                let found = |coding| objects.get(&name, coding).unwrap().unwrap();
+                assert_eq!(found(Coding::Identity), walk);
+                assert_eq!(found(Coding::Brotli), short);
+            }
+            assert_eq!(
+                objects.recent(&name, Coding::Identity).is_some(),
+                most_bytes > 1000
+            );
+        }
+    }
+
+    #[test]
+    fn bytes_of_another_name_are_never_returned() {
+        let folder = tempfile::tempdir().unwrap();
+        let objects = Objects::new(folder.path().to_owned(), 1 << 20);
         let name = ObjectName::of(b"walk");
-        assert_eq!(objects.get(&name, Coding::Identity).unwrap(), None);
-        objects.put(&name, Coding::Identity, b"walk").unwrap();
-        objects.put(&name, Coding::Identity, b"other").unwrap();
-        objects.put(&name, Coding::Brotli, b"short").unwrap();
-        let found = |coding| objects.get(&name, coding).unwrap().unwrap();
-        assert_eq!(found(Coding::Identity), b"walk");
-        assert_eq!(found(Coding::Brotli), b"short");
+        for (coding, wrong) in [(Coding::Identity, &b"other"[..]), (Coding::Brotli, b"walk")] {
+            objects.put(&name, coding, wrong).unwrap();
+            let error = objects.get(&name, coding).unwrap_err().to_string();
+            assert!(error.contains("not those of its name"), "{error}");
+        }
     }
 }

@@ -16,6 +16,8 @@ pub struct ServeOptions {
     pub most_requests: usize,
     /// Most sessions at once; others get 503.
     pub most_sessions: usize,
+    /// Most bytes of objects that are kept in memory.
+    pub most_recent_bytes: u64,
     /// Number of characters that are packaged at once.
     pub packaging: usize,
     /// How characters are opened.
@@ -25,7 +27,7 @@ pub struct ServeOptions {
 }
 
 impl Default for ServeOptions {
-    /// Characters of up to 256 MB, 512 requests and 2048 sessions at once, two characters packaged at once, as `articula
+    /// Characters of up to 256 MB, 512 requests and 2048 sessions at once, 256 MB in memory, two characters packaged at once, as `articula
     /// package` does.
     fn default() -> Self {
         Self {
@@ -34,6 +36,7 @@ impl Default for ServeOptions {
             most_bytes: 256 << 20,
             most_requests: 512,
             most_sessions: 2048,
+            most_recent_bytes: 256 << 20,
             packaging: 2,
             open: OpenOptions::default(),
             package: PackageOptions::default(),

@@ -10,6 +10,7 @@ use articula::client::{
     ClientMessage, Feed, FeedChange, FeedNext, FeedPlan, Increment, ServerMessage, SessionError,
 };
 use articula::item::AdaptOptions;
+use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
 use std::time::{Duration, Instant};
 use tokio::time::{sleep, timeout};
@@ -230,7 +231,7 @@ impl Session {
             false => self.feed.set_manifest(character, &served.manifest, &hash),
         };
         let bytes = match is_known {
-            true => Vec::new(),
+            true => Bytes::new(),
             false => {
                 let found = self.bytes(&served, None, Coding::Brotli).await?;
                 found.ok_or_else(|| End::fault("the manifest is not there any more"))?
@@ -242,7 +243,7 @@ impl Session {
             character: character as u16,
             is_whole,
             hash: *hash.as_bytes(),
-            bytes,
+            bytes: bytes.to_vec(),
         };
         self.send(socket, &told).await?;
         match is_same {
@@ -316,7 +317,7 @@ impl Session {
         };
         let is_compressed = short.is_some();
         let bytes = match short {
-            Some(short) => short,
+            Some(short) => short.to_vec(),
             None => {
                 let whole = self
                     .bytes(&told.served, Some(&of.file), Coding::Identity)
@@ -341,12 +342,15 @@ impl Session {
         served: &Served,
         file: Option<&str>,
         coding: Coding,
-    ) -> Result<Option<Vec<u8>>, End> {
+    ) -> Result<Option<Bytes>, End> {
         let name = match file {
             Some(file) => served.files.get(file).cloned(),
             None => Some(served.name.clone()),
         };
         let Some(name) = name else { return Ok(None) };
+        if let Some(recent) = self.catalogue.objects().recent(&name, coding) {
+            return Ok(Some(recent));
+        }
         let catalogue = self.catalogue.clone();
         let read = tokio::task::spawn_blocking(move || catalogue.objects().get(&name, coding));
         read.await.map_err(End::fault)?.map_err(End::fault)
