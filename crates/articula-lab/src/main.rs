@@ -30,6 +30,7 @@ use tables::impostors;
 use tables::merged_levels::Sheets;
 use tables::mesh_levels::Choice;
 use tables::retargets::Pictures;
+use tables::sessions;
 
 /// Evaluation runs of Articula.
 #[derive(Parser)]
@@ -89,6 +90,8 @@ enum Table {
     Streams,
     /// Digital items: the joint choice beside cuts of single parts, sizes and costs of levels.
     Adaptation,
+    /// A server under load: many sessions and their latency, objects beside nginx.
+    Sessions(sessions::Choice),
     /// All tables, one after the other; names and times go to standard error.
     All,
 }
@@ -135,6 +138,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::FaceTables => tables::face_tables::write(run),
         Table::Streams => tables::streams::write(run),
         Table::Adaptation => tables::adaptation::write(run),
+        Table::Sessions(choice) => sessions::write(run, choice),
         Table::All => all(run),
     }
 }

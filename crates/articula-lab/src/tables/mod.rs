@@ -21,6 +21,7 @@ mod pose_keys;
 mod random;
 pub(crate) mod retargets;
 pub(crate) mod round_trips;
+pub(crate) mod sessions;
 pub(crate) mod streams;
 mod targets;
 pub(crate) mod thesis_grid;

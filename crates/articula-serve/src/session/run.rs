@@ -7,9 +7,8 @@ use crate::metrics::Metrics;
 use crate::objects::Coding;
 use crate::record::Served;
 use articula::client::{
-    ClientMessage, Feed, FeedChange, FeedNext, FeedPlan, Increment, ServerMessage, SessionError,
+    ClientMessage, Feed, FeedChange, FeedNext, Increment, ServerMessage, SessionError,
 };
-use articula::item::AdaptOptions;
 use axum::body::Bytes;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
 use std::time::{Duration, Instant};
@@ -261,8 +260,7 @@ impl Session {
         let context = self.feed.context_of(character);
         let catalogue = self.catalogue.clone();
         let made = tokio::task::spawn_blocking(move || {
-            let layers = catalogue.plans().get(hash.as_str(), &manifest, &context);
-            FeedPlan::new(layers, &manifest, &context, &AdaptOptions::default())
+            catalogue.plans().get(hash.as_str(), &manifest, &context)
         });
         let plan = made.await.map_err(End::fault)?.map_err(End::fault)?;
         self.feed.set_plan(character, plan, self.now());
