@@ -14,6 +14,9 @@ use axum::{Json, Router};
 /// Bytes that wait for a client at most; who does not take them is sent nothing more.
 const MOST_WAITING_BYTES: usize = 4 * MOST_MESSAGE_BYTES;
 
+/// Bytes that are read at once: messages of clients are short.
+const READ_BYTES: usize = 4096;
+
 /// The routes of sessions.
 pub(crate) fn routes() -> Router<Catalogue> {
     Router::new()
@@ -30,6 +33,7 @@ async fn open(State(catalogue): State<Catalogue>, upgrade: WebSocketUpgrade) -> 
     upgrade
         .max_message_size(MOST_MESSAGE_BYTES)
         .max_frame_size(MOST_MESSAGE_BYTES)
+        .read_buffer_size(READ_BYTES)
         .write_buffer_size(0)
         .max_write_buffer_size(MOST_WAITING_BYTES)
         .on_upgrade(move |socket| run(socket, catalogue, place))

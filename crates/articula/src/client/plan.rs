@@ -3,9 +3,11 @@
 use super::character::CharacterReport;
 use crate::error::Result;
 use crate::item::delivery::{
-    Delivery, Kept, PieceOf, access_units, is_motion, largest, mesh_level,
+    Delivery, Kept, PieceOf, access_units, is_motion, largest, mesh_level, side,
 };
-use crate::item::{AdaptOptions, ItemBytes, ItemLayer, Manifest, PartKind, texture_error_px};
+use crate::item::{
+    AdaptOptions, ItemBytes, ItemLayer, ItemPart, Manifest, PartKind, texture_error_px,
+};
 use articula_stream::decide::{LayerSwitch, SwitchRule};
 use articula_stream::description::Context;
 use articula_stream::difference;
@@ -25,12 +27,26 @@ const MOST_BYTES: u64 = 1 << 16;
 #[derive(Debug, Clone)]
 pub struct DeliveryPlan(pub(super) Arc<Planned>);
 
-/// What a plan holds.
+/// What a plan holds: what is asked for again and again is found once.
 #[derive(Debug)]
 pub(super) struct Planned {
-    pub(super) delivery: Delivery,
-    /// Number of access units of each part; 0 where it is no motion, or comes as a whole.
-    units: Vec<usize>,
+    delivery: Delivery,
+    /// What shows at all times, from coarse to fine.
+    shape: Vec<Turn>,
+    /// Of each part the access units of a motion, each from coarse to fine; one list for a motion without
+    /// access units, none for what is no motion.
+    motions: Vec<Vec<Vec<Turn>>>,
+    /// Where the bytes of each piece lie.
+    places: Vec<Vec<Place>>,
+}
+
+/// Bytes of a file.
+#[derive(Debug, Clone)]
+struct Place {
+    file: String,
+    range: Range<u64>,
+    /// Bytes of the whole file.
+    bytes: u64,
 }
 
 impl DeliveryPlan {
@@ -41,15 +57,7 @@ impl DeliveryPlan {
     pub fn new(manifest: &Manifest, context: &Context, options: &AdaptOptions) -> Result<Self> {
         let mut units = |part: &_| Ok(access_units(part));
         let delivery = Delivery::of(manifest, context, options, &mut units)?;
-        let parts = manifest.parts.iter();
-        let units = parts.map(|part| match is_motion(part) {
-            true => access_units(part).len(),
-            false => 0,
-        });
-        Ok(Self(Arc::new(Planned {
-            units: units.collect(),
-            delivery,
-        })))
+        Ok(Self(Arc::new(Planned::of(delivery))))
     }
 }
 
@@ -116,10 +124,10 @@ impl CharacterPlan {
         made
     }
 
-    /// Changes the levels of quality of the same item, as when the view changes.
+    /// Changes the levels of quality of the same item, as when the view changes: its pieces are the same.
     pub(super) fn set_plan(&mut self, plan: &DeliveryPlan) {
         self.planned = Arc::clone(&plan.0);
-        self.look_again();
+        self.begin_anew();
     }
 
     /// Tells what is there after all, as when bytes were lost on the way.
@@ -177,12 +185,10 @@ impl CharacterPlan {
             let target = self.switch.update(now_secs, &rates, bits_per_second);
             let all = self.reach == Reach::All;
             self.turns = self.turns_of(&near, target, all).into();
-            self.reach = match all {
-                true if self.turns.is_empty() => Reach::Over,
-                _ if self.turns.is_empty() => Reach::All,
-                // What was asked for all in all is asked for once.
-                true => Reach::All,
-                false => Reach::Playing,
+            self.reach = match (all, self.turns.is_empty()) {
+                (true, true) => Reach::Over,
+                (false, true) => Reach::All,
+                (_, false) => self.reach,
             };
         }
     }
@@ -226,13 +232,9 @@ impl CharacterPlan {
 
     /// For each piece whether all of it is among some bytes.
     pub(super) fn there(&self, held: &ItemBytes) -> Vec<bool> {
-        let pieces = 0..self.planned.delivery.catalogue.pieces.len();
-        pieces
-            .map(|piece| {
-                let wanted = self.planned.bytes_of(piece);
-                wanted.iter().all(|(file, range, _)| held.has(file, range))
-            })
-            .collect()
+        let has = |place: &Place| held.has(&place.file, &place.range);
+        let pieces = self.planned.places.iter();
+        pieces.map(|places| places.iter().all(has)).collect()
     }
 
     /// Whether what plays at a position shows: its coarsest layer is among the pieces that are there, and the
@@ -340,7 +342,7 @@ impl CharacterPlan {
         };
         delivery.missing_of_shape(there, top).is_empty()
             && parts.all(|(part, of)| {
-                !is_motion(of) || self.planned.numbers(part).all(|unit| has_unit(part, unit))
+                !is_motion(of) || units_of(of).into_iter().all(|unit| has_unit(part, unit))
             })
     }
 
@@ -353,16 +355,17 @@ impl CharacterPlan {
     /// Bytes of a piece that are not there.
     fn chunks_of(&self, piece: usize) -> VecDeque<Chunk> {
         let mut chunks = VecDeque::new();
-        for (file, range, bytes) in self.planned.bytes_of(piece) {
-            let missing = difference(&self.held.of(&file), &std::iter::once(range).collect());
+        for place in &self.planned.places[piece] {
+            let wanted = std::iter::once(place.range.clone()).collect();
+            let missing = difference(&self.held.of(&place.file), &wanted);
             for range in missing.ranges() {
                 // A whole file may travel compressed; one that is large, bit by bit.
-                let is_whole = *range == (0..bytes) && bytes <= MOST_BYTES;
+                let is_whole = *range == (0..place.bytes) && place.bytes <= MOST_BYTES;
                 let mut start = range.start;
                 while start < range.end {
                     let end = range.end.min(start + MOST_BYTES);
                     chunks.push_back(Chunk {
-                        file: file.clone(),
+                        file: place.file.clone(),
                         range: start..end,
                         is_whole,
                     });
@@ -378,9 +381,9 @@ impl CharacterPlan {
         let Some(part) = self.playing else {
             return Vec::new();
         };
-        let units = self.planned.units[part];
-        let whole = self.planned.delivery.manifest.parts[part].duration_secs;
-        let secs = whole.unwrap_or(0.0).max(1e-3);
+        let of = &self.planned.delivery.manifest.parts[part];
+        let secs = of.duration_secs.unwrap_or(0.0).max(1e-3);
+        let units = access_units(of).len();
         if units == 0 {
             return vec![(None, 0.0)];
         }
@@ -393,104 +396,182 @@ impl CharacterPlan {
             .collect()
     }
 
+    /// The pieces of the motion that plays and begin within some seconds, by access unit.
+    fn ahead(&self, near: &[(Option<usize>, f64)]) -> impl Iterator<Item = (&[Turn], f64)> {
+        let motion = self.playing.map(|part| &self.planned.motions[part]);
+        let near = near.to_vec();
+        motion.into_iter().flat_map(move |units| {
+            let near = near.clone().into_iter();
+            near.filter_map(|(unit, secs)| Some((&**units.get(unit.unwrap_or(0))?, secs)))
+        })
+    }
+
     /// For each level the bits per second that bring what is missing of it for the time ahead.
     fn rates(&self, near: &[(Option<usize>, f64)]) -> Vec<f64> {
-        let delivery = &self.planned.delivery;
-        let mut before = 0.0;
-        let of_level = |level: &Kept| {
-            let mut pieces = delivery.missing_of_shape(&self.has, level);
-            for (unit, secs) in near {
-                if let (Some(part), true) = (self.playing, *secs < HORIZON_SECS) {
-                    let layers = &level[part];
-                    pieces.extend(delivery.missing_of_unit(&self.has, (part, *unit), layers));
-                }
+        let mut seen = self.has.clone();
+        let mut bytes = vec![0; self.levels()];
+        let ahead = self.ahead(near).filter(|(_, secs)| *secs < HORIZON_SECS);
+        let motions = ahead.flat_map(|(turns, _)| turns);
+        for turn in self.shape().chain(motions) {
+            if !std::mem::replace(&mut seen[turn.piece], true) {
+                bytes[turn.level] += self.planned.delivery.catalogue.pieces[turn.piece].bytes;
             }
-            pieces.sort_unstable();
-            pieces.dedup();
-            let rate = 8.0 * delivery.catalogue.bytes(&pieces) as f64 / HORIZON_SECS;
-            // A texture may be there that is larger than one of a finer level.
-            before = rate.max(before);
-            before
+        }
+        let mut sum = 0;
+        let rates = bytes.into_iter().map(|bytes| {
+            sum += bytes;
+            8.0 * sum as f64 / HORIZON_SECS
+        });
+        rates.collect()
+    }
+
+    /// What is missing of what shows at all times: of a texture no size below one that is there.
+    fn shape(&self) -> impl Iterator<Item = &Turn> {
+        let delivery = &self.planned.delivery;
+        let is_smaller = |turn: &Turn| {
+            let PieceOf::Part { part, layer, .. } = delivery.catalogue.pieces[turn.piece].of else {
+                return false;
+            };
+            let of = &delivery.manifest.parts[part];
+            let (PartKind::Texture, Some(layer)) = (of.kind, layer) else {
+                return false;
+            };
+            let there = delivery.layers_there(&self.has, part, None);
+            largest(of, &there) > side(&of.layers[layer])
         };
-        delivery.ladder.levels.iter().map(of_level).collect()
+        let missing = self
+            .planned
+            .shape
+            .iter()
+            .filter(|turn| !self.has[turn.piece]);
+        missing.filter(move |turn| !is_smaller(turn))
     }
 
     /// What is missing, in order: level by level up to a target, of each first what shows at all times, then
     /// the motion that plays from now on. With `all` the other motions too, and the finer levels.
     fn turns_of(&self, near: &[(Option<usize>, f64)], target: usize, all: bool) -> Vec<Turn> {
-        let delivery = &self.planned.delivery;
-        let levels = &delivery.ladder.levels;
-        let mut seen = self.has.clone();
-        let mut turns = Vec::new();
-        let mut add = |pieces: Vec<usize>, level: usize, seen: &mut Vec<bool>| {
-            for piece in pieces {
-                if !std::mem::replace(&mut seen[piece], true) {
-                    turns.push(Turn { piece, level });
-                }
-            }
-        };
-        let wanted = if all { levels.len() } else { target };
-        for (number, level) in levels.iter().enumerate().take(wanted) {
-            add(delivery.missing_of_shape(&seen, level), number, &mut seen);
-            let share = number as f64 / levels.len().max(2) as f64;
-            let horizon = HORIZON_SECS + share * (FINEST_HORIZON_SECS - HORIZON_SECS);
-            for (unit, secs) in near {
-                if let (Some(part), true) = (self.playing, all || *secs < horizon) {
-                    let missing = delivery.missing_of_unit(&seen, (part, *unit), &level[part]);
-                    add(missing, number, &mut seen);
-                }
-            }
-            if all {
-                let parts = delivery.manifest.parts.iter().enumerate();
-                for (part, _) in parts.filter(|(_, part)| is_motion(part)) {
-                    for unit in self.planned.numbers(part) {
-                        let missing = delivery.missing_of_unit(&seen, (part, unit), &level[part]);
-                        // Only what plays now is the least that is shown.
-                        add(missing, number.max(1), &mut seen);
-                    }
-                }
-            }
+        let levels = self.levels();
+        let wanted = if all { levels } else { target };
+        let mut turns: Vec<Turn> = self.shape().copied().collect();
+        for (unit, secs) in self.ahead(near) {
+            let is_due = |turn: &&Turn| {
+                let share = turn.level as f64 / levels.max(2) as f64;
+                all || secs < HORIZON_SECS + share * (FINEST_HORIZON_SECS - HORIZON_SECS)
+            };
+            turns.extend(unit.iter().filter(is_due));
         }
+        if all {
+            let motions = self.planned.motions.iter().flatten().flatten();
+            // Only what plays now is the least that is shown.
+            let later = |turn: &Turn| Turn {
+                level: turn.level.max(1),
+                ..*turn
+            };
+            turns.extend(motions.map(later));
+        }
+        let mut seen = self.has.clone();
+        turns.retain(|turn| {
+            let is_wanted = turn.level < wanted.max(1) || all;
+            is_wanted && !std::mem::replace(&mut seen[turn.piece], true)
+        });
+        // What has the same level stays in order.
+        turns.sort_by_key(|turn| turn.level);
         turns
     }
 }
 
 impl Planned {
-    /// The access units of a motion; `None` alone if it has none.
-    fn numbers(&self, part: usize) -> impl Iterator<Item = Option<usize>> + use<> {
-        let units = self.units[part];
-        (0..units).map(Some).chain((units == 0).then_some(None))
-    }
-
-    /// The bytes of a piece: file, range, and the bytes of the whole file.
-    fn bytes_of(&self, piece: usize) -> Vec<(String, Range<u64>, u64)> {
-        let manifest = &self.delivery.manifest;
-        let piece = &self.delivery.catalogue.pieces[piece];
-        let whole = |file: &str, bytes: u64| (file.to_owned(), 0..bytes, bytes);
-        match piece.of {
-            // It is there before there is a plan.
-            PieceOf::Manifest => Vec::new(),
-            PieceOf::Figure => {
-                let figure = [whole(&manifest.figure.file, manifest.figure.bytes)];
-                let carried = manifest.whole.iter();
-                let carried = carried.map(|file| whole(&file.file, file.bytes));
-                figure.into_iter().chain(carried).collect()
+    fn of(delivery: Delivery) -> Self {
+        let parts = delivery.manifest.parts.iter().enumerate();
+        let levels = &delivery.ladder.levels;
+        let nothing = vec![false; delivery.catalogue.pieces.len()];
+        let shape = turns(levels, &nothing, &|level, has| {
+            delivery.missing_of_shape(has, level)
+        });
+        let motions = parts.map(|(part, of)| {
+            let of_unit = |unit| {
+                turns(levels, &nothing, &|level, has| {
+                    delivery.missing_of_unit(has, (part, unit), &level[part])
+                })
+            };
+            match is_motion(of) {
+                true => units_of(of).into_iter().map(of_unit).collect(),
+                false => Vec::new(),
             }
-            PieceOf::Part { part, layer, .. } => {
-                let part = &manifest.parts[part];
-                match (&part.file, layer.map(|layer| &part.layers[layer])) {
-                    (Some(file), _) => {
-                        let ranges = piece.ranges.iter();
-                        ranges
-                            .map(|range| (file.clone(), range.clone(), part.bytes))
-                            .collect()
-                    }
-                    (None, Some(size)) => {
-                        let file = size.file.iter();
-                        file.map(|file| whole(file, size.bytes)).collect()
-                    }
-                    (None, None) => Vec::new(),
+        });
+        let pieces = 0..delivery.catalogue.pieces.len();
+        Self {
+            motions: motions.collect(),
+            places: pieces.map(|piece| places(&delivery, piece)).collect(),
+            shape,
+            delivery,
+        }
+    }
+}
+
+/// The pieces that levels ask for, each at the first one that does.
+fn turns(
+    levels: &[Kept],
+    nothing: &[bool],
+    missing: &dyn Fn(&Kept, &[bool]) -> Vec<usize>,
+) -> Vec<Turn> {
+    let mut seen = nothing.to_vec();
+    let mut turns = Vec::new();
+    for (number, level) in levels.iter().enumerate() {
+        for piece in missing(level, nothing) {
+            if !std::mem::replace(&mut seen[piece], true) {
+                turns.push(Turn {
+                    piece,
+                    level: number,
+                });
+            }
+        }
+    }
+    turns
+}
+
+/// The access units of a motion; `None` alone if it has none.
+fn units_of(part: &ItemPart) -> Vec<Option<usize>> {
+    match access_units(part).len() {
+        0 => vec![None],
+        count => (0..count).map(Some).collect(),
+    }
+}
+
+/// Where the bytes of a piece lie.
+fn places(delivery: &Delivery, piece: usize) -> Vec<Place> {
+    let manifest = &delivery.manifest;
+    let piece = &delivery.catalogue.pieces[piece];
+    let whole = |file: &str, bytes: u64| Place {
+        file: file.to_owned(),
+        range: 0..bytes,
+        bytes,
+    };
+    match piece.of {
+        // It is there before there is a plan.
+        PieceOf::Manifest => Vec::new(),
+        PieceOf::Figure => {
+            let figure = [whole(&manifest.figure.file, manifest.figure.bytes)];
+            let carried = manifest.whole.iter();
+            let carried = carried.map(|file| whole(&file.file, file.bytes));
+            figure.into_iter().chain(carried).collect()
+        }
+        PieceOf::Part { part, layer, .. } => {
+            let part = &manifest.parts[part];
+            match (&part.file, layer.map(|layer| &part.layers[layer])) {
+                (Some(file), _) => {
+                    let place = |range: &Range<u64>| Place {
+                        file: file.clone(),
+                        range: range.clone(),
+                        bytes: part.bytes,
+                    };
+                    piece.ranges.iter().map(place).collect()
                 }
+                (None, Some(size)) => {
+                    let file = size.file.iter();
+                    file.map(|file| whole(file, size.bytes)).collect()
+                }
+                (None, None) => Vec::new(),
             }
         }
     }
