@@ -5,6 +5,7 @@ use anyhow::{Context, Result};
 use articula::client::{
     ClientMessage, HeldFiles, SESSION_VERSION, ServerMessage, SessionUpdate, WantedCharacter,
 };
+use articula::item::{Manifest, decompressed};
 use articula::stream::description::Context as Situation;
 use futures_util::{SinkExt, StreamExt};
 use std::fmt::Write as _;
@@ -18,6 +19,8 @@ use tokio_tungstenite::tungstenite::Message;
 const CHANGE: Duration = Duration::from_secs(1);
 /// Time in which all sessions begin, and which is not measured.
 const WARM_SECS: f64 = 5.0;
+/// Most bytes of a manifest.
+const MOST_MANIFEST_BYTES: u64 = 1 << 24;
 /// Bandwidth by which the mean size of a range is found, bits per second.
 const FIRST_BPS: f64 = 4e6;
 
@@ -164,7 +167,8 @@ async fn session(at: SocketAddr, bps: f64, pause: Duration, tally: &Tally) -> Re
         ..SessionUpdate::default()
     });
     sender.send(binary(&hello)).await?;
-    let mut hash = String::new();
+    // All but the motions, which it always lacks.
+    let mut held = HeldFiles::default();
     let mut change = tokio::time::interval(CHANGE);
     let (mut is_near, mut asked) = (true, None);
     loop {
@@ -172,7 +176,7 @@ async fn session(at: SocketAddr, bps: f64, pause: Duration, tally: &Tally) -> Re
             message = messages.next() => message.context("the server ended the session")??,
             _ = change.tick() => {
                 // Until the first decision there is nothing to change.
-                if asked.is_none() && !hash.is_empty() {
+                if asked.is_none() && !held.manifest.is_empty() {
                     is_near = !is_near;
                     let update = ClientMessage::Update(SessionUpdate {
                         context: situation(is_near),
@@ -188,8 +192,15 @@ async fn session(at: SocketAddr, bps: f64, pause: Duration, tally: &Tally) -> Re
             continue;
         };
         let is_forgotten = match ServerMessage::read(&bytes)? {
-            ServerMessage::Manifest { hash: of, .. } => {
-                hash = of.iter().map(|byte| format!("{byte:02x}")).collect();
+            ServerMessage::Manifest { hash, bytes, .. } => {
+                let manifest = decompressed(&bytes, MOST_MANIFEST_BYTES)?;
+                let manifest: Manifest = serde_json::from_slice(&manifest)?;
+                held.manifest = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+                let files = manifest.sizes().into_iter();
+                let files = files.filter(|(file, _)| !file.ends_with(".abp"));
+                held.files = files
+                    .map(|(file, bytes)| (file.to_owned(), vec![[0, bytes]]))
+                    .collect();
                 true
             }
             ServerMessage::Bytes { bytes, .. } => {
@@ -208,12 +219,9 @@ async fn session(at: SocketAddr, bps: f64, pause: Duration, tally: &Tally) -> Re
             ServerMessage::Error(error) => anyhow::bail!("{}", error.error),
         };
         if is_forgotten {
-            let held = ClientMessage::Held(HeldFiles {
-                character: 0,
-                manifest: hash.clone(),
-                ..HeldFiles::default()
-            });
-            sender.send(binary(&held)).await?;
+            sender
+                .send(binary(&ClientMessage::Held(held.clone())))
+                .await?;
         }
     }
 }

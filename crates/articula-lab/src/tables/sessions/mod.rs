@@ -75,6 +75,6 @@ fn choice_line(choice: &Choice, name: &str) -> String {
 
 const INTRODUCTION: &str = "# Sessions and objects under load\n\n\
 Made by `articula-lab sessions`. Server and clients run in one process and share its processors, over the \
-loopback address. A session asks for a rate of ranges by its bandwidth, forgets all that it has when all has \
-come, and moves nearer or farther once a second; the latency is the time from that message to the decision \
+loopback address. A session has the figure, the mesh and the textures, asks for the motions at a rate of ranges by its bandwidth, \
+forgets them when all have come, and moves nearer or farther once a second; the latency is the time from that message to the decision \
 about it. Clients read messages and decode nothing.\n\n";
