@@ -1,6 +1,7 @@
 //! A character as far as it is here, and what is shown of it.
 
 use super::plan::CharacterPlan;
+use super::report::CharacterReport;
 use crate::error::Result;
 use crate::figure::Figure;
 use crate::item::{ItemChange, ItemReceiver, PartKind};
@@ -8,7 +9,6 @@ use articula_core::Clip;
 use articula_core::crowd::{CharacterState, ClipState};
 use articula_core::joint_state::{LoaRange, TransitionOptions};
 use articula_core::playback::{FigureModel, FigurePlayer, FigureViews, FullDetail, LoaController};
-use serde::Serialize;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -62,35 +62,6 @@ struct Shown {
     made_secs: f64,
 }
 
-/// What is shown of a character, in numbers.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct CharacterReport {
-    /// Level of quality of what plays, 1 to `levels`; 0 before anything is shown.
-    pub level: usize,
-    /// Level of quality that the bandwidth carries.
-    pub target: usize,
-    /// Number of levels of quality.
-    pub levels: usize,
-    /// Finest level of articulation of the access unit that plays.
-    pub loa: Option<u32>,
-    /// Finest tier of that level.
-    pub tier: Option<u32>,
-    /// Joints that its layers move.
-    pub joints: Option<u64>,
-    /// Finest level of the mesh that is there everywhere.
-    pub mesh_level: Option<u32>,
-    /// Longer side of the coarsest texture, pixels.
-    pub texture_px: Option<u32>,
-    /// Bound of the error of what plays, pixels.
-    pub error_px: Option<f64>,
-    /// Bytes that arrived, without manifests.
-    pub bytes: u64,
-    /// Number of times at which playback waits.
-    pub stalls: u64,
-    /// Whether all that the context asks for is there.
-    pub is_complete: bool,
-}
-
 impl ClientCharacter {
     pub(super) fn new(name: &str) -> Self {
         Self {
@@ -115,6 +86,11 @@ impl ClientCharacter {
     /// Returns its name at the server.
     pub fn name(&self) -> &str {
         &self.name
+    }
+
+    /// Returns its distance from the camera, if it has one of its own.
+    pub fn distance_m(&self) -> Option<f64> {
+        self.distance_m
     }
 
     /// Returns the receiver of its item, once there is a manifest.

@@ -1,6 +1,6 @@
 //! The client: bytes and times in, requests and poses out.
 
-use super::character::{CharacterReport, ClientCharacter};
+use super::character::ClientCharacter;
 use super::message::{
     ClientMessage, HeldFiles, SESSION_VERSION, ServerMessage, SessionDecision, SessionUpdate,
     ShownReport, WantedCharacter,
@@ -8,6 +8,7 @@ use super::message::{
 use super::pace::Pace;
 use super::plan::DeliveryPlan;
 use super::planner::{Increment, Planner, flat_form};
+use super::report::CharacterReport;
 use crate::error::{Context as _, Error, Result};
 use crate::item::{AdaptOptions, ItemReceiver, decompressed};
 use crate::open::OpenOptions;

@@ -16,7 +16,7 @@
 //! - `planner`: all characters, by importance
 //! - `pace`: a bound on bytes per second
 //! - `message`: messages of a session, as bytes
-//! - `character`: what is here of a character, and shown
+//! - `report`, `character`: what is here of a character, and shown
 //! - `machine`: the client
 //! - `feed`: the server's side of a session
 
@@ -27,8 +27,9 @@ mod message;
 mod pace;
 mod plan;
 mod planner;
+mod report;
 
-pub use character::{CharacterReport, ClientCharacter};
+pub use character::ClientCharacter;
 pub use feed::{Feed, FeedChange, FeedNext, FeedPlan};
 pub use machine::{Client, ClientAnswer, ClientOptions, ClientRequest};
 pub use message::{
@@ -37,3 +38,4 @@ pub use message::{
 };
 pub use plan::DeliveryPlan;
 pub use planner::Increment;
+pub use report::CharacterReport;

@@ -1,6 +1,6 @@
 //! What of one character comes next: its pieces in the order in which they are worth most.
 
-use super::character::CharacterReport;
+use super::report::CharacterReport;
 use crate::error::Result;
 use crate::item::delivery::{
     Delivery, Kept, PieceOf, access_units, is_motion, largest, mesh_level, side,
@@ -36,6 +36,8 @@ pub(super) struct Planned {
     /// Of each part the access units of a motion, each from coarse to fine; one list for a motion without
     /// access units, none for what is no motion.
     motions: Vec<Vec<Vec<Turn>>>,
+    /// All motions together, level by level; only what plays now is of the least level.
+    later: Vec<Turn>,
     /// Where the bytes of each piece lie.
     places: Vec<Vec<Place>>,
 }
@@ -461,13 +463,7 @@ impl CharacterPlan {
             turns.extend(unit.iter().filter(is_due));
         }
         if all {
-            let motions = self.planned.motions.iter().flatten().flatten();
-            // Only what plays now is the least that is shown.
-            let later = |turn: &Turn| Turn {
-                level: turn.level.max(1),
-                ..*turn
-            };
-            turns.extend(motions.map(later));
+            turns.extend(&self.planned.later);
         }
         let mut seen = self.has.clone();
         turns.retain(|turn| {
@@ -499,9 +495,17 @@ impl Planned {
                 false => Vec::new(),
             }
         });
+        let motions: Vec<Vec<Vec<Turn>>> = motions.collect();
+        let later = motions.iter().flatten().flatten().map(|turn| Turn {
+            level: turn.level.max(1),
+            ..*turn
+        });
+        let mut later: Vec<Turn> = later.collect();
+        later.sort_by_key(|turn| turn.level);
         let pieces = 0..delivery.catalogue.pieces.len();
         Self {
-            motions: motions.collect(),
+            motions,
+            later,
             places: pieces.map(|piece| places(&delivery, piece)).collect(),
             shape,
             delivery,

@@ -76,6 +76,8 @@ impl Sample {
         let memory = self.memory_bytes.map_or(String::new(), |bytes| {
             format!(", memory {:.0} MB", bytes as f64 / 1e6)
         });
+        let own = client.character(0).and_then(|of| of.distance_m());
+        let distance = own.or(client.context().view.distance_m);
         let mut lines = vec![
             self.line(),
             format!(
@@ -87,7 +89,7 @@ impl Sample {
                 "level {} of {} for {}: LoA {}, tier {}, mesh level {}, textures {} px",
                 self.shown.target,
                 self.shown.levels,
-                match client.context().view.distance_m {
+                match distance {
                     Some(metres) => format!("{metres:.1} m"),
                     None => "an unknown distance".to_owned(),
                 },

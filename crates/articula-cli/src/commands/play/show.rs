@@ -306,8 +306,12 @@ impl Show<'_> {
                 context.network.available_bps = Some(scaled(before, up).clamp(1e3, 1e9));
             }
             Key::Distance(nearer) => {
-                let before = context.view.distance_m.unwrap_or(FIRST_DISTANCE_M);
-                context.view.distance_m = Some(scaled(before, !nearer).clamp(0.25, 500.0));
+                let known = self.client.character(0).and_then(|of| of.distance_m());
+                let before = known
+                    .or(context.view.distance_m)
+                    .unwrap_or(FIRST_DISTANCE_M);
+                let distance_m = scaled(before, !nearer).clamp(0.25, 500.0);
+                self.client.set_view(0, 1.0, Some(distance_m))?;
             }
             Key::Monitor => state.has_monitor = !state.has_monitor,
             Key::Quit => state.is_over = true,

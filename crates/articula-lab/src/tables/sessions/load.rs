@@ -17,7 +17,8 @@ use tokio_tungstenite::tungstenite::Message;
 
 /// Time between two changes of the view of a session.
 const CHANGE: Duration = Duration::from_secs(1);
-/// Time in which all sessions begin, and which is not measured.
+/// Time in which all sessions begin, and which is not measured, as a share of the load, and at most.
+const WARM_SHARE: f64 = 0.25;
 const WARM_SECS: f64 = 5.0;
 /// Most bytes of a manifest.
 const MOST_MANIFEST_BYTES: u64 = 1 << 24;
@@ -65,11 +66,12 @@ impl Load {
 
     async fn loaded(at: SocketAddr, (sessions, bps): (usize, f64), secs: f64) -> Self {
         let tally = Arc::new(Tally::default());
+        let warm_secs = WARM_SECS.min(WARM_SHARE * secs);
         let tasks: Vec<_> = (0..sessions)
             .map(|number| {
                 let tally = Arc::clone(&tally);
                 // They do not all begin at once.
-                let pause = WARM_SECS * 0.8 * number as f64 / sessions as f64;
+                let pause = warm_secs * 0.8 * number as f64 / sessions as f64;
                 tokio::spawn(async move {
                     let pause = Duration::from_secs_f64(pause);
                     if session(at, bps, pause, &tally).await.is_err() {
@@ -78,7 +80,7 @@ impl Load {
                 })
             })
             .collect();
-        tokio::time::sleep(Duration::from_secs_f64(WARM_SECS)).await;
+        tokio::time::sleep(Duration::from_secs_f64(warm_secs)).await;
         lock(&tally.latencies).clear();
         let count = |of: &AtomicU64| of.load(Ordering::Relaxed);
         let before = (count(&tally.units), count(&tally.bytes));
