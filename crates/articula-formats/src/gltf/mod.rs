@@ -22,6 +22,7 @@
 //! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
 //! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
+//! - `morph_targets`, `kept_morphs`: morph targets that are added and left out
 //! - `weight`: size of meshes in bytes; `compact`: equal arrays once, numbers of few digits
 //! - `write`: back to bytes
 //!
@@ -48,6 +49,7 @@ mod fresh;
 mod geometry;
 mod influences;
 mod joints;
+mod kept_morphs;
 mod khr_character;
 mod lod;
 mod material;

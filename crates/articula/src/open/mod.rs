@@ -16,6 +16,7 @@ mod fitted;
 mod format;
 mod human;
 mod keep_meshes;
+mod keep_morphs;
 mod motion;
 #[cfg(feature = "streams")]
 mod motion_stream;
