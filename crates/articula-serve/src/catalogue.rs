@@ -1,6 +1,7 @@
 //! The characters of a folder, and the state of each.
 
 use crate::error::ServeError;
+use crate::made::Made;
 use crate::metrics::Metrics;
 use crate::objects::{Objects, remove, write};
 use crate::options::ServeOptions;
@@ -70,6 +71,7 @@ struct Shared {
     options: ServeOptions,
     objects: Objects,
     records: Records,
+    made: Made,
     metrics: Metrics,
     sessions: Arc<Sessions>,
     plans: Plans,
@@ -93,6 +95,7 @@ impl Catalogue {
             root: root.to_path_buf(),
             objects: Objects::new(made.join("objects"), options.most_recent_bytes),
             records: Records::new(made.join("items"), options),
+            made: Made::new(made.join("queries"), options.packaging),
             options: options.clone(),
             metrics: Metrics::default(),
             sessions: Sessions::new(options.most_sessions),
@@ -278,6 +281,10 @@ impl Catalogue {
 
     pub(crate) fn records(&self) -> &Records {
         &self.0.records
+    }
+
+    pub(crate) fn made(&self) -> &Made {
+        &self.0.made
     }
 
     pub(crate) fn metrics(&self) -> &Metrics {

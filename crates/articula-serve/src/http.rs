@@ -8,10 +8,10 @@ use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::page::{list, path_of};
-use crate::session;
+use crate::{cut, glb, session};
 use axum::Json;
 use axum::body::Bytes;
-use axum::extract::{DefaultBodyLimit, Path, Query, Request, State};
+use axum::extract::{DefaultBodyLimit, Path, Query, RawQuery, Request, State};
 use axum::http::header::{AUTHORIZATION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, RETRY_AFTER};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
@@ -28,7 +28,7 @@ use tokio::sync::Semaphore;
 /// What never changes may be kept for a year.
 const IMMUTABLE: &str = "public, max-age=31536000, immutable";
 /// What changes is asked for again, by its tag.
-const CHANGING: &str = "no-cache";
+pub(crate) const CHANGING: &str = "no-cache";
 /// Whether a manifest is that of the whole item: `ready` or `packaging`.
 const STATE: HeaderName = HeaderName::from_static("articula-state");
 /// Longest time that a request waits for news, seconds.
@@ -66,6 +66,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .route("/v1/characters/{name}/{*file}", get(file))
         .route("/v1/o/{hash}", get(object))
         .merge(session::routes())
+        .merge(cut::routes())
         .layer(DefaultBodyLimit::max(most_bytes))
         .layer(from_fn_with_state(limited, limit))
         // These answer also when all places are taken.
@@ -100,7 +101,7 @@ struct Fault {
     error: String,
 }
 
-fn fault(status: StatusCode, what: impl Into<String>) -> Response {
+pub(crate) fn fault(status: StatusCode, what: impl Into<String>) -> Response {
     let error = what.into();
     (status, Json(Fault { error })).into_response()
 }
@@ -170,9 +171,19 @@ async fn characters(State(catalogue): State<Catalogue>) -> Response {
     Json(all).into_response()
 }
 
-async fn character(State(catalogue): State<Catalogue>, Path(name): Path<String>) -> Response {
+/// A character, or its file by its name with `.glb` behind it.
+async fn character(
+    State(catalogue): State<Catalogue>,
+    Path(name): Path<String>,
+    pairs: cut::Pairs,
+    RawQuery(raw): RawQuery,
+    request: HeaderMap,
+) -> Response {
     match catalogue.state(&name) {
         Some(state) => Json(CharacterReport::new(name, state)).into_response(),
+        None if name.ends_with(".glb") => {
+            glb::answer(&catalogue, &name, pairs, raw, &request).await
+        }
         None => unknown("character"),
     }
 }
@@ -313,7 +324,11 @@ async fn object(
 struct Elsewhere;
 
 /// Answers with an object of the store.
-async fn stored(catalogue: &Catalogue, answer: &Answer<'_>, request: &HeaderMap) -> Response {
+pub(crate) async fn stored(
+    catalogue: &Catalogue,
+    answer: &Answer<'_>,
+    request: &HeaderMap,
+) -> Response {
     let metrics = catalogue.metrics();
     let objects = catalogue.objects();
     let recent = |coding| {
@@ -346,7 +361,7 @@ async fn stored(catalogue: &Catalogue, answer: &Answer<'_>, request: &HeaderMap)
 }
 
 /// Runs what waits for files on a thread for that.
-async fn blocking<T: Send + 'static>(
+pub(crate) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, ServeError> + Send + 'static,
 ) -> Result<T, ServeError> {
     let done = tokio::task::spawn_blocking(work).await;

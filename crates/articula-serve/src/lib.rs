@@ -18,6 +18,8 @@
 //! - `answer`: bodies with their tags
 //! - `metrics`, `page`: the state of the server for programs and people
 //! - `session`: sessions over WebSocket
+//! - `query`, `made`: queries in one form, and what they make of items, once each
+//! - `cut`, `glb`: an item that is cut, and a character as one GLB, by query
 //! - `http`: routes
 //!
 //! ```no_run
@@ -35,13 +37,17 @@
 
 mod answer;
 mod catalogue;
+mod cut;
 mod error;
+mod glb;
 mod http;
+mod made;
 mod metrics;
 mod objects;
 mod options;
 mod page;
 mod prepare;
+mod query;
 mod range;
 mod record;
 mod session;

@@ -16,6 +16,7 @@ pub(crate) struct Metrics {
     pub(crate) packaged: AtomicU64,
     pub(crate) failed: AtomicU64,
     pub(crate) recent: AtomicU64,
+    pub(crate) made: AtomicU64,
     pub(crate) sessions: AtomicU64,
     pub(crate) increments: AtomicU64,
     pub(crate) session_bytes: AtomicU64,
@@ -62,6 +63,11 @@ impl Metrics {
                 "recent",
                 "Answers with an object that was in memory.",
                 &self.recent,
+            ),
+            (
+                "made",
+                "Files and cuts that were made by query.",
+                &self.made,
             ),
             ("sessions", "Sessions that were opened.", &self.sessions),
             (

@@ -3,6 +3,7 @@
 use crate::error::ServeError;
 use crate::objects::{Coding, ObjectName, Objects, write};
 use crate::options::ServeOptions;
+use articula::formats::Limits;
 use articula::item::{FileEntry, Item, MANIFEST, Manifest, compressed};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,7 +32,9 @@ impl Served {
                 continue;
             };
             objects.put(&name, Coding::Identity, bytes)?;
+            // Stages share most files, and compressing one takes long.
             if entry.compressed_bytes.is_some()
+                && objects.get(&name, Coding::Brotli)?.is_none()
                 && let Some(short) = compressed(file, bytes)
             {
                 objects.put(&name, Coding::Brotli, &short)?;
@@ -45,10 +48,28 @@ impl Served {
             .unwrap_or_default();
         let name = ObjectName::of(&manifest);
         objects.put(&name, Coding::Identity, &manifest)?;
-        if let Some(short) = compressed(MANIFEST, &manifest) {
+        if objects.get(&name, Coding::Brotli)?.is_none()
+            && let Some(short) = compressed(MANIFEST, &manifest)
+        {
             objects.put(&name, Coding::Brotli, &short)?;
         }
         Ok(Self::new(name, &item.manifest))
+    }
+
+    /// The item with all of its files, from the store.
+    pub(crate) fn item(&self, objects: &Objects) -> Result<Item, ServeError> {
+        let of = |name: &ObjectName| match objects.get(name, Coding::Identity) {
+            Ok(Some(bytes)) => Ok(bytes),
+            Ok(None) => Err("the store has lost this object".to_owned()),
+            Err(error) => Err(error.to_string()),
+        };
+        let lost = |error| ServeError::Character(articula::Error::Io(error));
+        let manifest = of(&self.name).map_err(lost)?;
+        let mut file = |file: &str| match self.files.get(file) {
+            Some(name) => of(name),
+            None => Err("the item has no such file".to_owned()),
+        };
+        Ok(Item::open(&manifest, &Limits::default(), &mut file)?)
     }
 
     fn new(name: ObjectName, of: &Manifest) -> Self {

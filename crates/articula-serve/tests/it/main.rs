@@ -7,8 +7,14 @@
 )]
 
 mod client;
+#[path = "../../../articula-cli/tests/it/judges/mod.rs"]
+mod judges;
+mod queries;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod refusals;
 mod sessions;
 mod stages;
+
+// The judges of pictures want it here.
+use articula::flat::Picture;

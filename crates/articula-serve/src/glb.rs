@@ -1,0 +1,173 @@
+//! A character as one GLB, by a query like those of services for avatars.
+
+use crate::answer::Answer;
+use crate::catalogue::Catalogue;
+use crate::cut::{LOA, Pairs, Wanted, clips, coarsest, elsewhere, pairs_of};
+use crate::http::{CHANGING, stored};
+use crate::made::{NotMade, made, whole};
+use crate::objects::{Coding, ObjectName, Objects};
+use crate::query::{Parameters, Refusal, unknown_word};
+use articula::build::face::arkit_name;
+use articula::item::{Item, Manifest, PartKind, assemble, compressed};
+use articula::{CharacterFile, Format, OpenOptions, convert};
+use axum::http::HeaderMap;
+use axum::response::{IntoResponse, Response};
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
+/// Levels of detail: high, medium, low.
+const LOD: RangeInclusive<u32> = 0..=2;
+/// Longer sides of textures in pixels.
+const TEXTURE_PX: RangeInclusive<u32> = 256..=1024;
+/// Nothing of a kind.
+const NONE: &str = "none";
+/// The morph targets that have names of ARKit.
+const ARKIT: &str = "ARKit";
+/// The parameters of a query.
+const PARAMETERS: [&str; 6] = [
+    "clip",
+    "loa",
+    "lod",
+    "mesh",
+    "morphTargets",
+    "textureSizeLimit",
+];
+
+/// Answers with a character by the name of its file: its own with `.glb` behind it.
+pub(crate) async fn answer(
+    catalogue: &Catalogue,
+    file: &str,
+    pairs: Pairs,
+    raw: Option<String>,
+    request: &HeaderMap,
+) -> Response {
+    let answered = async {
+        let served = whole(catalogue, file.strip_suffix(".glb").unwrap_or(file))?;
+        let mut query = Parameters::new(pairs_of(pairs)?, &PARAMETERS)?;
+        let wanted = WantedGlb::new(&mut query, &served.manifest)?;
+        let canonical = query.canonical();
+        if let Some(elsewhere) = elsewhere(raw, &canonical) {
+            return Ok(elsewhere);
+        }
+        let open = catalogue.options().open.clone();
+        let make = Box::new(move |item: &Item, objects: &_| wanted.stored(item, &open, objects));
+        let name = made(catalogue, served, ("glb", &canonical), make).await?;
+        let answer = Answer {
+            name: &name,
+            media_type: "model/gltf-binary",
+            cache_control: CHANGING,
+        };
+        Ok(stored(catalogue, &answer, request).await)
+    };
+    answered.await.unwrap_or_else(NotMade::into_response)
+}
+
+/// What a GLB has.
+#[derive(Debug)]
+struct WantedGlb {
+    cut: Wanted,
+    is_still: bool,
+    /// Names of morph targets, and groups of them; all without.
+    morphs: Option<BTreeSet<String>>,
+}
+
+impl WantedGlb {
+    fn new(query: &mut Parameters, of: &Manifest) -> Result<Self, Refusal> {
+        let named = clips(of).into_iter().chain([NONE]).collect::<Vec<_>>();
+        let clip = query.word("clip", &named)?;
+        let loa = query.number("loa", LOA)?;
+        let lod = query.number("lod", LOD)?;
+        if lod.is_some() && query.has("mesh") {
+            let what = "mesh: lod chooses the mesh level too; leave one of them out";
+            return Err(Refusal(what.to_owned()));
+        }
+        let mesh = query.number("mesh", 0..=coarsest(of, "level"))?;
+        let morphs = query.words("morphTargets")?;
+        let is_mixed = |words: &BTreeSet<String>| words.contains(NONE) && words.len() > 1;
+        if morphs.as_ref().is_some_and(is_mixed) {
+            let what = "morphTargets: none stands alone; expected none, ARKit or names";
+            return Err(Refusal(what.to_owned()));
+        }
+        let texture_px = query.number("textureSizeLimit", TEXTURE_PX)?;
+        let is_still = clip.as_deref() == Some(NONE);
+        Ok(Self {
+            cut: Wanted {
+                clip: clip.filter(|_| !is_still),
+                loa,
+                tier: None,
+                mesh: mesh.or_else(|| Some(mesh_level(of, lod?))),
+                texture_px,
+            },
+            is_still,
+            morphs,
+        })
+    }
+
+    /// Makes the file and stores it.
+    fn stored(
+        &self,
+        item: &Item,
+        open: &OpenOptions,
+        objects: &Objects,
+    ) -> Result<ObjectName, NotMade> {
+        let glb = self.written(item, open)?;
+        let name = ObjectName::of(&glb);
+        objects.put(&name, Coding::Identity, &glb)?;
+        if let Some(short) = compressed("figure.glb", &glb) {
+            objects.put(&name, Coding::Brotli, &short)?;
+        }
+        Ok(name)
+    }
+
+    fn written(&self, item: &Item, open: &OpenOptions) -> Result<Vec<u8>, NotMade> {
+        let adapted = match self.is_still {
+            true => self.cut.adapted(&still(item))?,
+            false => self.cut.adapted(item)?,
+        };
+        let mut opened = assemble(&adapted, open)?;
+        if let Some(morphs) = &self.morphs {
+            keep_morphs(&mut opened, morphs)?;
+        }
+        Ok(convert::write(&opened, Format::Glb)?.bytes)
+    }
+}
+
+/// The item without motions.
+fn still(item: &Item) -> Item {
+    let mut item = item.clone();
+    let is_motion = |kind| matches!(kind, PartKind::BodyMotion | PartKind::FaceMotion);
+    item.manifest.parts.retain(|part| !is_motion(part.kind));
+    item
+}
+
+/// The mesh level of a level of detail: the finest that has at most half the triangles of level 0, of the lowest
+/// a quarter; the coarsest if none has so few.
+fn mesh_level(of: &Manifest, lod: u32) -> u32 {
+    let triangles = |level: u32| -> u64 {
+        let levels = of.parts.iter().flat_map(|part| &part.levels);
+        let same = levels.filter(|entry| entry.level == level);
+        same.map(|entry| entry.triangles).sum()
+    };
+    let most = triangles(0) >> lod;
+    let coarsest = coarsest(of, "level");
+    let mut levels = 0..=coarsest;
+    levels
+        .find(|level| triangles(*level) <= most)
+        .unwrap_or(coarsest)
+}
+
+/// Keeps morph targets by their names.
+fn keep_morphs(opened: &mut CharacterFile, wanted: &BTreeSet<String>) -> Result<(), Refusal> {
+    let meshes = opened.character().meshes.iter();
+    let named: BTreeSet<&str> = meshes
+        .flat_map(|mesh| mesh.morph_names.iter().map(String::as_str))
+        .collect();
+    let known: Vec<&str> = [NONE, ARKIT].into_iter().chain(named).collect();
+    if let Some(other) = wanted.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(unknown_word("morphTargets", other, &known));
+    }
+    let has_arkit = wanted.contains(ARKIT);
+    let is_arkit = |name: &str| has_arkit && arkit_name(name).is_some();
+    opened.keep_morph_targets(|name| wanted.contains(name) || is_arkit(name));
+    Ok(())
+}

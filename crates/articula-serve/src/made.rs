@@ -1,0 +1,205 @@
+//! What is made of whole items by query, once each: objects of the store, and records of which query made
+//! them.
+
+use crate::catalogue::{Catalogue, Progress};
+use crate::error::ServeError;
+use crate::http::{blocking, fault, later};
+use crate::metrics::Metrics;
+use crate::objects::{Coding, ObjectName, Objects, write};
+use crate::query::Refusal;
+use crate::record::{Served, read};
+use articula::item::Item;
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use tokio::sync::Semaphore;
+
+/// Most queries that wait to be made; others get 503.
+const MOST_WAITING: usize = 64;
+
+/// Why nothing is made.
+#[derive(Debug)]
+pub(crate) enum NotMade {
+    /// There is no such character, or it cannot be packaged.
+    NoItem(StatusCode, String),
+    /// Not all of it is packaged, or too many others wait.
+    Later(&'static str),
+    /// The query is wrong.
+    Query(Refusal),
+    /// It was not made before, and this server writes nothing.
+    ReadOnly,
+    /// The store, or the item.
+    Fault(ServeError),
+}
+
+impl From<Refusal> for NotMade {
+    fn from(refusal: Refusal) -> Self {
+        Self::Query(refusal)
+    }
+}
+
+impl From<ServeError> for NotMade {
+    fn from(error: ServeError) -> Self {
+        Self::Fault(error)
+    }
+}
+
+impl From<articula::Error> for NotMade {
+    fn from(error: articula::Error) -> Self {
+        Self::Fault(error.into())
+    }
+}
+
+impl IntoResponse for NotMade {
+    fn into_response(self) -> Response {
+        match self {
+            Self::NoItem(status, what) => fault(status, what),
+            Self::Later(what) => later(what),
+            Self::Query(Refusal(what)) => fault(StatusCode::BAD_REQUEST, what),
+            Self::ReadOnly => {
+                let what = "this was not made before, and the store is read-only";
+                fault(StatusCode::FORBIDDEN, what)
+            }
+            // The query was right, so what the item has wrong is not the client's fault.
+            Self::Fault(ServeError::Character(error)) => {
+                fault(StatusCode::INTERNAL_SERVER_ERROR, error.to_string())
+            }
+            Self::Fault(error) => error.into_response(),
+        }
+    }
+}
+
+/// The item of a character that is all made.
+pub(crate) fn whole(catalogue: &Catalogue, name: &str) -> Result<Served, NotMade> {
+    let no_item = |status, what: &str| Err(NotMade::NoItem(status, what.to_owned()));
+    let Some(state) = catalogue.state(name) else {
+        return no_item(StatusCode::NOT_FOUND, "there is no such character");
+    };
+    match (state.progress, state.served) {
+        (Progress::Ready, Some(served)) => Ok(served),
+        (Progress::Failed(why), _) => no_item(StatusCode::UNPROCESSABLE_ENTITY, &why),
+        _ => Err(NotMade::Later("the character is being packaged")),
+    }
+}
+
+/// Which object a query made.
+#[derive(Debug, Serialize, Deserialize)]
+struct Record {
+    object: String,
+}
+
+/// The records, and the queries that are being made.
+#[derive(Debug)]
+pub(crate) struct Made {
+    folder: PathBuf,
+    gates: Mutex<HashMap<String, Weak<tokio::sync::Mutex<()>>>>,
+    waiting: Arc<Semaphore>,
+    working: Semaphore,
+}
+
+impl Made {
+    /// Records in a folder; `working` are made at once.
+    pub(crate) fn new(folder: PathBuf, working: usize) -> Self {
+        Self {
+            folder,
+            gates: Mutex::default(),
+            waiting: Arc::new(Semaphore::new(MOST_WAITING)),
+            working: Semaphore::new(working.max(1)),
+        }
+    }
+
+    fn path(&self, key: &str) -> PathBuf {
+        self.folder.join(format!("{key}.json"))
+    }
+
+    /// The gate of a query, which one request passes at a time.
+    fn gate(&self, key: &str) -> Arc<tokio::sync::Mutex<()>> {
+        let mut gates = self.gates.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(gate) = gates.get(key).and_then(Weak::upgrade) {
+            return gate;
+        }
+        gates.retain(|_, gate| gate.strong_count() > 0);
+        let gate = Arc::default();
+        gates.insert(key.to_owned(), Arc::downgrade(&gate));
+        gate
+    }
+}
+
+/// What a query makes of an item.
+pub(crate) type Make = dyn FnOnce(&Item, &Objects) -> Result<ObjectName, NotMade> + Send;
+
+/// Returns the object that a query makes of an item, as it was made before or made now. `form` tells queries
+/// for different things apart.
+pub(crate) async fn made(
+    catalogue: &Catalogue,
+    served: Served,
+    (form, query): (&str, &str),
+    make: Box<Make>,
+) -> Result<ObjectName, NotMade> {
+    let how = format!(
+        "{} {form} {} {query}",
+        env!("CARGO_PKG_VERSION"),
+        served.name.as_str()
+    );
+    let key = blake3::hash(how.as_bytes()).to_hex().to_string();
+    if let Some(known) = recorded(catalogue, &key).await? {
+        return Ok(known);
+    }
+    if catalogue.options().read_only {
+        return Err(NotMade::ReadOnly);
+    }
+    let waiting = Arc::clone(&catalogue.made().waiting).try_acquire_owned();
+    let waiting = waiting.map_err(|_| NotMade::Later("too many queries are being made at once"))?;
+    let catalogue = catalogue.clone();
+    // A task of its own, which a client that leaves does not end: others may wait for the same.
+    let task = tokio::spawn(async move {
+        let _waiting = waiting;
+        let gate = catalogue.made().gate(&key);
+        let _passed = gate.lock().await;
+        if let Some(known) = recorded(&catalogue, &key).await? {
+            return Ok(known);
+        }
+        let _working = catalogue.made().working.acquire().await;
+        let of = catalogue.clone();
+        let work = move || {
+            let object = make(&served.item(of.objects())?, of.objects())?;
+            Metrics::add(&of.metrics().made, 1);
+            record(&of.made().path(&key), &object)?;
+            Ok(object)
+        };
+        let done = tokio::task::spawn_blocking(work).await;
+        done.unwrap_or_else(|_| Err(failed()))
+    });
+    task.await.unwrap_or_else(|_| Err(failed()))
+}
+
+fn failed() -> NotMade {
+    let what = "making it failed";
+    NotMade::Fault(ServeError::Network(std::io::Error::other(what)))
+}
+
+/// The object of a record, if both are there.
+async fn recorded(catalogue: &Catalogue, key: &str) -> Result<Option<ObjectName>, ServeError> {
+    let (catalogue, path) = (catalogue.clone(), catalogue.made().path(key));
+    blocking(move || {
+        let record = read(&path)?;
+        let record = record.and_then(|text| serde_json::from_slice::<Record>(&text).ok());
+        let Some(object) = record.and_then(|record| ObjectName::parse(&record.object)) else {
+            return Ok(None);
+        };
+        let there = catalogue.objects().get(&object, Coding::Identity)?;
+        Ok(there.map(|_| object))
+    })
+    .await
+}
+
+fn record(path: &Path, object: &ObjectName) -> Result<(), ServeError> {
+    let record = Record {
+        object: object.as_str().to_owned(),
+    };
+    // A text cannot fail.
+    write(path, &serde_json::to_vec(&record).unwrap_or_default())
+}

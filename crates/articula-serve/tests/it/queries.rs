@@ -1,0 +1,244 @@
+//! What is made of a character by query: files as one GLB, and cuts.
+
+use crate::client::{Answer, Server, options};
+use crate::{judges, real};
+use articula::item::Manifest;
+use articula::{CharacterFile, OpenOptions, open};
+
+/// Waits until all of a character is made.
+fn ready(server: &Server, name: &str) -> Manifest {
+    let path = format!("/v1/characters/{name}/manifest.json");
+    let mut tag = String::new();
+    loop {
+        let answer = server.get(&format!("{path}?wait=60"), &[("If-None-Match", &tag)]);
+        answer.header("etag").clone_into(&mut tag);
+        if answer.header("articula-state") == "ready" {
+            let manifest = server.get(&path, &[]);
+            return serde_json::from_slice(&manifest.body).unwrap();
+        }
+    }
+}
+
+fn opened(glb: &[u8]) -> CharacterFile {
+    let mut nothing = |_: &str| Err("nothing".to_owned());
+    open(glb, "made.glb", &OpenOptions::default(), &mut nothing).unwrap()
+}
+
+fn triangles(file: &CharacterFile) -> usize {
+    let primitives = file.character().meshes.iter().flat_map(|m| &m.primitives);
+    primitives.map(|p| p.triangles.len()).sum()
+}
+
+/// Number of channels of the first clip whose values change.
+fn moved(file: &CharacterFile) -> usize {
+    let channels = file.character().clips[0].channels.iter();
+    let changes = |c: &&articula::core::source::Channel| {
+        let width = c.values.len() / c.times_secs.len();
+        c.values.chunks(width).any(|row| row != &c.values[..width])
+    };
+    channels.filter(changes).count()
+}
+
+fn morphs(file: &CharacterFile) -> Vec<&str> {
+    let names = file.character().meshes.iter().flat_map(|m| &m.morph_names);
+    names.map(String::as_str).collect()
+}
+
+fn counter(server: &Server, name: &str) -> u64 {
+    let text = String::from_utf8(server.get("/metrics", &[]).body).unwrap();
+    let line = text.lines().find_map(|line| line.strip_prefix(name));
+    line.unwrap().trim().parse().unwrap()
+}
+
+fn refused(answer: &Answer, status: u16) -> String {
+    assert_eq!(answer.status, status);
+    answer.json()["error"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_character_is_one_glb_of_what_a_query_asks_for() {
+    let (Some(man), Some(head)) = (
+        real::bytes("glb/CesiumMan.glb"),
+        real::bytes("glb/ict_head_talk_554.glb"),
+    ) else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("man.glb"), man).unwrap();
+    std::fs::write(folder.path().join("head.glb"), head).unwrap();
+    let mut options = options();
+    options.package.mesh_levels = 3;
+    let server = Server::start(folder.path(), &options);
+    let manifest = ready(&server, "man");
+    ready(&server, "head");
+    let answers = std::cell::RefCell::new(Vec::new());
+    let glb = |query: &str| {
+        let answer = server.get(&format!("/v1/characters/{query}"), &[]);
+        assert_eq!(answer.status, 200, "{query}: {answer:?}");
+        assert_eq!(answer.header("content-type"), "model/gltf-binary");
+        let file = opened(&answer.body);
+        answers.borrow_mut().push(answer.body);
+        file
+    };
+
+    // Two clients that ask at the same time get one file, which is made once.
+    let whole = std::thread::scope(|scope| {
+        let both = [(); 2].map(|()| scope.spawn(|| server.get("/v1/characters/man.glb", &[])));
+        let [first, second] = both.map(|thread| thread.join().unwrap());
+        assert_eq!((first.status, &first.body), (200, &second.body));
+        first
+    });
+    assert_eq!(counter(&server, "articula_made_total"), 1);
+    let again = server.get(
+        "/v1/characters/man.glb",
+        &[("If-None-Match", whole.header("etag"))],
+    );
+    assert_eq!(
+        (again.status, again.header("etag")),
+        (304, whole.header("etag"))
+    );
+    let levels = &manifest
+        .parts
+        .iter()
+        .find(|p| !p.levels.is_empty())
+        .unwrap()
+        .levels;
+    let whole = opened(&whole.body);
+    assert_eq!(triangles(&whole) as u64, levels[0].triangles);
+    assert_eq!(whole.character().clips.len(), 1);
+
+    let low = glb("man.glb?lod=2");
+    let coarsest = levels.last().unwrap();
+    assert!(coarsest.level > 0 && triangles(&low) as u64 == coarsest.triangles);
+    assert_eq!(
+        triangles(&glb("man.glb?mesh=1")) as u64,
+        levels[1].triangles
+    );
+    assert!(glb("man.glb?clip=none").character().clips.is_empty());
+    let name = &whole.character().clips[0].name;
+    let few = glb(&format!(
+        "man.glb?clip={name}&loa=0&lod=0&textureSizeLimit=256"
+    ));
+    assert_eq!(triangles(&few), triangles(&whole));
+    assert!(
+        moved(&few) < moved(&whole),
+        "{} {}",
+        moved(&few),
+        moved(&whole)
+    );
+    let side = |glb: &CharacterFile| {
+        let pictures = &glb.gltf().unwrap().document;
+        pictures.json["images"].as_array().map_or(0, Vec::len)
+    };
+    assert_eq!(side(&few), side(&whole));
+
+    let all = glb("head.glb");
+    let names = morphs(&all);
+    assert!(names.contains(&"jawOpen") && names.len() > 10, "{names:?}");
+    let two = glb("head.glb?morphTargets=eyeBlink_L,jawOpen");
+    assert_eq!(morphs(&two).len(), 2);
+    assert!(morphs(&two).contains(&"eyeBlink_L"));
+    let none = glb("head.glb?morphTargets=none");
+    assert!(morphs(&none).is_empty() && triangles(&none) == triangles(&all));
+    let arkit = glb("head.glb?morphTargets=ARKit");
+    assert!(
+        morphs(&arkit).contains(&"eyeBlink_L"),
+        "under another spelling"
+    );
+
+    wrong(&server, coarsest.level);
+    drop(server);
+    options.read_only = true;
+    let server = Server::start(folder.path(), &options);
+    assert_eq!(server.get("/v1/characters/man.glb?lod=2", &[]).status, 200);
+    let other = server.get("/v1/characters/man.glb?lod=1", &[]);
+    assert!(refused(&other, 403).contains("read-only"));
+    valid(&answers.borrow());
+}
+
+/// Queries that are wrong, or written in another way than the canonical one.
+fn wrong(server: &Server, coarsest: u32) {
+    let mesh = format!("mesh: found 9, expected a whole number from 0 to {coarsest}");
+    let made = counter(server, "articula_made_total");
+    for (query, told) in [
+        (
+            "size=3",
+            "clip, loa, lod, mesh, morphTargets, textureSizeLimit",
+        ),
+        ("lod=1&lod=1", "lod: given twice"),
+        ("lod=3", "lod: found 3, expected a whole number from 0 to 2"),
+        ("textureSizeLimit=128", "from 256 to 1024"),
+        ("loa=6", "loa: found 6, expected a whole number from 0 to 5"),
+        ("mesh=9", &mesh),
+        ("lod=1&mesh=1", "leave one of them out"),
+        ("clip=fly", "clip: found \"fly\", expected one of "),
+        ("morphTargets=none,jawOpen", "none stands alone"),
+        ("morphTargets=", "morphTargets: a name is empty"),
+        (
+            "morphTargets=smile",
+            "morphTargets: found \"smile\", expected one of none, ARKit",
+        ),
+    ] {
+        let answer = server.get(&format!("/v1/characters/man.glb?{query}"), &[]);
+        let why = refused(&answer, 400);
+        assert!(why.contains(told), "{query}: {why}");
+    }
+    for (query, canonical) in [
+        (
+            "textureSizeLimit=0512&lod=01",
+            "?lod=1&textureSizeLimit=512",
+        ),
+        ("morphTargets=b%2ca", "?morphTargets=a,b"),
+        ("&", "?"),
+    ] {
+        let answer = server.get(&format!("/v1/characters/man.glb?{query}"), &[]);
+        assert_eq!((answer.status, answer.header("location")), (308, canonical));
+    }
+    assert_eq!(
+        server.get("/v1/characters/nobody.glb?lod=1", &[]).status,
+        404
+    );
+    assert_eq!(server.get("/v1/characters/nobody/cut", &[]).status, 404);
+    assert_eq!(
+        counter(server, "articula_made_total"),
+        made,
+        "nothing was made"
+    );
+}
+
+/// Lets the Khronos validator judge files.
+fn valid(files: &[Vec<u8>]) {
+    if !judges::judges_are_here() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mut paths = Vec::new();
+    for (number, bytes) in files.iter().enumerate() {
+        let path = folder.path().join(format!("{number}.glb"));
+        std::fs::write(&path, bytes).unwrap();
+        paths.push(path.to_str().unwrap().to_owned());
+    }
+    let (said, is_valid) = judges::ask("validate.mjs", &paths);
+    assert!(is_valid, "{said}");
+}
+
+#[test]
+fn before_all_of_a_character_is_made_queries_are_told_to_come_later() {
+    let folder = tempfile::tempdir().unwrap();
+    // Nothing packages it.
+    let options = articula_serve::ServeOptions {
+        packaging: 0,
+        ..options()
+    };
+    let server = Server::start(folder.path(), &options);
+    let put = server.request("PUT", "/v1/characters/man", &[], b"glTF and no more");
+    assert_eq!(put.status, 202);
+    for path in ["man.glb?lod=1", "man/cut?loa=1"] {
+        let answer = server.get(&format!("/v1/characters/{path}"), &[]);
+        assert_eq!(
+            (answer.status, answer.header("retry-after")),
+            (503, "1"),
+            "{path}"
+        );
+    }
+}
