@@ -7,6 +7,7 @@ use crate::catalogue::Catalogue;
 use crate::http::{CHANGING, stored};
 use crate::made::{NotMade, made, whole};
 use crate::objects::ObjectName;
+use crate::page::path_of;
 use crate::query::{Parameters, Refusal};
 use crate::record::Served;
 use articula::item::{AdaptOptions, AdaptedItem, Item, Manifest, PartKind, adapt, decide};
@@ -46,7 +47,7 @@ async fn cut(
         let mut query = Parameters::new(pairs_of(pairs)?, &PARAMETERS)?;
         let wanted = Wanted::new(&mut query, &served.manifest)?;
         let canonical = query.canonical();
-        if let Some(elsewhere) = elsewhere(raw, &canonical) {
+        if let Some(elsewhere) = elsewhere(raw, "cut", &canonical) {
             return Ok(elsewhere);
         }
         let make = Box::new(
@@ -74,10 +75,11 @@ pub(crate) fn pairs_of(pairs: Pairs) -> Result<Vec<(String, String)>, Refusal> {
     }
 }
 
-/// Where the canonical form of a query is, if this is not it. The path is that of the request.
-pub(crate) fn elsewhere(raw: Option<String>, canonical: &str) -> Option<Response> {
+/// Where the canonical form of a query is, if this is not it; `last` is the last segment of the path, which may
+/// be that of a part of another server.
+pub(crate) fn elsewhere(raw: Option<String>, last: &str, canonical: &str) -> Option<Response> {
     let is_canonical = raw.unwrap_or_default() == canonical;
-    let location = [(LOCATION, format!("?{canonical}"))];
+    let location = [(LOCATION, format!("{}?{canonical}", path_of(last)))];
     (!is_canonical).then(|| (StatusCode::PERMANENT_REDIRECT, location).into_response())
 }
 

@@ -13,6 +13,12 @@ pub enum ServeError {
         /// What is wrong, and what mends it.
         what: String,
     },
+    /// The store has no space.
+    #[error("{place}: the disk is full; free space")]
+    Full {
+        /// The file or folder.
+        place: String,
+    },
     /// A name that no character can have.
     #[error(
         "\"{0}\": a name has 1 to 100 letters, digits, `-`, `_` and `.`, and does not begin with `.`"
@@ -33,16 +39,39 @@ impl ServeError {
     /// An error of a place in the store.
     pub(crate) fn store(place: &std::path::Path, error: &std::io::Error) -> Self {
         use std::io::ErrorKind;
+        let place = place.display().to_string();
         let what = match error.kind() {
-            ErrorKind::StorageFull => "the disk is full; free space".to_owned(),
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => return Self::Full { place },
             ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
                 "no permission to write here; serve it with --read-only".to_owned()
             }
             _ => error.to_string(),
         };
-        Self::Store {
-            place: place.display().to_string(),
-            what,
-        }
+        Self::Store { place, what }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::http::StatusCode;
+    use axum::response::IntoResponse;
+    use std::io::{Error, ErrorKind};
+
+    #[test]
+    fn a_full_disk_is_told_apart_from_other_faults_of_the_store() {
+        let status = |kind: ErrorKind| {
+            let error = ServeError::store("objects".as_ref(), &Error::from(kind));
+            assert!(error.to_string().starts_with("objects: "));
+            error.into_response().status()
+        };
+        assert_eq!(
+            status(ErrorKind::StorageFull),
+            StatusCode::INSUFFICIENT_STORAGE
+        );
+        assert_eq!(
+            status(ErrorKind::PermissionDenied),
+            StatusCode::INTERNAL_SERVER_ERROR
+        );
     }
 }

@@ -46,7 +46,7 @@ pub(crate) async fn answer(
         let mut query = Parameters::new(pairs_of(pairs)?, &PARAMETERS)?;
         let wanted = WantedGlb::new(&mut query, &served.manifest)?;
         let canonical = query.canonical();
-        if let Some(elsewhere) = elsewhere(raw, &canonical) {
+        if let Some(elsewhere) = elsewhere(raw, file, &canonical) {
             return Ok(elsewhere);
         }
         let open = catalogue.options().open.clone();

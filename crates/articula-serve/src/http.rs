@@ -8,16 +8,16 @@ use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::page::{list, path_of};
-use crate::{cut, glb, session};
+use crate::upload::upload;
+use crate::{connections, cut, glb, session};
 use axum::Json;
-use axum::body::Bytes;
-use axum::extract::{DefaultBodyLimit, Path, Query, RawQuery, Request, State};
+use axum::body::Body;
+use axum::extract::{Path, Query, RawQuery, Request, State};
 use axum::http::header::{AUTHORIZATION, CONTENT_SECURITY_POLICY, CONTENT_TYPE, RETRY_AFTER};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, put};
-use axum::serve::ListenerExt;
 use serde::{Deserialize, Serialize};
 use std::future::Future;
 use std::sync::Arc;
@@ -34,29 +34,23 @@ const STATE: HeaderName = HeaderName::from_static("articula-state");
 /// Longest time that a request waits for news, seconds.
 const LONGEST_WAIT_SECS: f64 = 60.0;
 
-/// Answers connections until `stop` ends; those that are open then end first.
+/// Answers connections until `stop` ends; those that are open then have the time of
+/// [`ServeOptions::drain`](crate::ServeOptions::drain) to end.
 ///
 /// # Errors
-/// [`ServeError::Network`].
+/// [`ServeError::Network`] if the listener accepts no connections.
 pub async fn serve(
     listener: TcpListener,
     catalogue: Catalogue,
     stop: impl Future<Output = ()> + Send + 'static,
 ) -> Result<(), ServeError> {
-    let routes = router(catalogue);
-    // Messages of sessions are short: each goes at once.
-    let listener = listener.tap_io(|stream| {
-        let _ = stream.set_nodelay(true);
-    });
-    Ok(axum::serve(listener, routes)
-        .with_graceful_shutdown(stop)
-        .await?)
+    let routes = router(catalogue.clone());
+    connections::answer(listener, routes, &catalogue, stop).await
 }
 
 /// Returns the routes of a catalogue.
 pub fn router(catalogue: Catalogue) -> axum::Router {
     let places = Arc::new(Semaphore::new(catalogue.options().most_requests));
-    let most_bytes = catalogue.options().most_bytes;
     let limited = (catalogue.clone(), places);
     axum::Router::new()
         .route("/", get(page))
@@ -67,7 +61,6 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .route("/v1/o/{hash}", get(object))
         .merge(session::routes())
         .merge(cut::routes())
-        .layer(DefaultBodyLimit::max(most_bytes))
         .layer(from_fn_with_state(limited, limit))
         // These answer also when all places are taken.
         .route("/healthz", get(|| async { "ok\n" }))
@@ -121,6 +114,7 @@ impl IntoResponse for ServeError {
         let status = match &self {
             Self::Name(_) | Self::Character(_) => StatusCode::BAD_REQUEST,
             Self::Form => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Self::Full { .. } => StatusCode::INSUFFICIENT_STORAGE,
             Self::Store { .. } | Self::Network(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
         fault(status, self.to_string())
@@ -192,7 +186,7 @@ async fn put_character(
     State(catalogue): State<Catalogue>,
     Path(name): Path<String>,
     headers: HeaderMap,
-    body: Bytes,
+    body: Body,
 ) -> Response {
     if catalogue.options().read_only {
         return fault(StatusCode::FORBIDDEN, "this server takes no characters");
@@ -203,6 +197,10 @@ async fn put_character(
             "Authorization: Bearer TOKEN is missing or wrong",
         );
     }
+    let body = match upload(body, catalogue.options()).await {
+        Ok(body) => body,
+        Err((status, what)) => return fault(status, what),
+    };
     let stored = blocking(move || {
         let state = catalogue.put(&name, &body)?;
         Ok(CharacterReport::new(name, state))

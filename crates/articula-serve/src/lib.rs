@@ -20,7 +20,9 @@
 //! - `session`: sessions over WebSocket
 //! - `query`, `made`: queries in one form, and what they make of items, once each
 //! - `cut`, `glb`: an item that is cut, and a character as one GLB, by query
+//! - `upload`: bodies that clients send
 //! - `http`: routes
+//! - `paced`, `connections`: connections at a rate, so many at once, and how they end
 //!
 //! ```no_run
 //! use articula_serve::{Catalogue, Preparation, ServeOptions, serve};
@@ -37,6 +39,7 @@
 
 mod answer;
 mod catalogue;
+mod connections;
 mod cut;
 mod error;
 mod glb;
@@ -45,12 +48,14 @@ mod made;
 mod metrics;
 mod objects;
 mod options;
+mod paced;
 mod page;
 mod prepare;
 mod query;
 mod range;
 mod record;
 mod session;
+mod upload;
 
 pub use catalogue::{Catalogue, CharacterState, Progress};
 pub use error::ServeError;

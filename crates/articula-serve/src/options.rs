@@ -2,6 +2,7 @@
 
 use articula::OpenOptions;
 use articula::item::PackageOptions;
+use std::time::Duration;
 
 /// Options of [`Catalogue::open`](crate::Catalogue::open).
 #[derive(Debug, Clone)]
@@ -12,6 +13,18 @@ pub struct ServeOptions {
     pub token: Option<String>,
     /// Most bytes of a character that is put.
     pub most_bytes: usize,
+    /// Least rate of its body in bits per second, after the time of `silence`.
+    pub least_upload_bps: f64,
+    /// Most connections at once; others get 503 and are closed. Sessions do not count.
+    pub most_connections: usize,
+    /// Time for the head of a request, and for the next one on a connection.
+    pub silence: Duration,
+    /// Time for a client to take something of an answer.
+    pub patience: Duration,
+    /// Time for open connections to end when the server is stopped.
+    pub drain: Duration,
+    /// Bits per second of each connection and session, as of a slow network; as fast as it takes them without.
+    pub throttle_bps: Option<f64>,
     /// Most requests that are answered at once; others get 503.
     pub most_requests: usize,
     /// Most sessions at once; others get 503.
@@ -27,13 +40,20 @@ pub struct ServeOptions {
 }
 
 impl Default for ServeOptions {
-    /// Characters of up to 256 MB, 512 requests and 2048 sessions at once, 256 MB in memory, two characters packaged at once, as `articula
-    /// package` does.
+    /// Characters of up to 256 MB at 128 kbit/s at least; 900 connections, 512 requests and 2048 sessions at once; 20 s for a
+    /// request, a minute for an answer, 10 s to end; 256 MB in memory; two characters packaged at once, as `articula package` does.
     fn default() -> Self {
         Self {
             read_only: false,
             token: None,
             most_bytes: 256 << 20,
+            least_upload_bps: 128e3,
+            // Most systems let a process open 1024 files.
+            most_connections: 900,
+            silence: Duration::from_secs(20),
+            patience: Duration::from_secs(60),
+            drain: Duration::from_secs(10),
+            throttle_bps: None,
             most_requests: 512,
             most_sessions: 2048,
             most_recent_bytes: 256 << 20,

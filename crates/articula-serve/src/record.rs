@@ -66,7 +66,7 @@ impl Served {
         let lost = |error| ServeError::Character(articula::Error::Io(error));
         let manifest = of(&self.name).map_err(lost)?;
         let mut file = |file: &str| match self.files.get(file) {
-            Some(name) => of(name),
+            Some(name) => of(name).map(Vec::from),
             None => Err("the item has no such file".to_owned()),
         };
         Ok(Item::open(&manifest, &Limits::default(), &mut file)?)

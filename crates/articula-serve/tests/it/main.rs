@@ -14,6 +14,7 @@ mod queries;
 mod real;
 mod refusals;
 mod sessions;
+mod slow;
 mod stages;
 
 // The judges of pictures want it here.

@@ -2,7 +2,9 @@
 
 use crate::client::{Answer, Server, options};
 use crate::{judges, real};
-use articula::item::Manifest;
+use articula::formats::Limits;
+use articula::item::{AdaptOptions, AdaptedItem, Item, Manifest, adapt, decide};
+use articula::stream::description::Context;
 use articula::{CharacterFile, OpenOptions, open};
 
 /// Waits until all of a character is made.
@@ -146,6 +148,7 @@ fn a_character_is_one_glb_of_what_a_query_asks_for() {
         "under another spelling"
     );
 
+    cut(&server, &manifest);
     wrong(&server, coarsest.level);
     drop(server);
     options.read_only = true;
@@ -154,6 +157,51 @@ fn a_character_is_one_glb_of_what_a_query_asks_for() {
     let other = server.get("/v1/characters/man.glb?lod=1", &[]);
     assert!(refused(&other, 403).contains("read-only"));
     valid(&answers.borrow());
+}
+
+/// Compares a cut with what `adapt` makes of the item, whose files a client has.
+fn cut(server: &Server, manifest: &Manifest) {
+    let object = |hash: &str| server.get(&format!("/v1/o/{hash}"), &[]).body;
+    let whole = server.get("/v1/characters/man/manifest.json", &[]).body;
+    let mut file = |name: &str| {
+        let entry = manifest.files.get(name).ok_or("an index")?;
+        Ok(object(&entry.hash))
+    };
+    let item = Item::open(&whole, &Limits::default(), &mut file).unwrap();
+    let mut context = Context::default();
+    context.preferences.body_loa = Some(1);
+    context.preferences.mesh_level = Some(1);
+    let options = AdaptOptions {
+        finest_tier: 2,
+        max_texture_px: Some(256),
+        ..AdaptOptions::default()
+    };
+    let decided = decide(&item, &context, &options).unwrap();
+    let Ok(AdaptedItem::Layers(right)) = adapt(&item, &decided.cut.unwrap()) else {
+        panic!("no layers");
+    };
+    let path = "/v1/characters/man/cut?loa=1&mesh=1&texture=256&tier=2";
+    let made = server.get(path, &[]);
+    assert_eq!(made.status, 200);
+    let files = right.files();
+    assert!(made.body == files.last().unwrap().1 && made.body != whole);
+    let of: Manifest = serde_json::from_slice(&made.body).unwrap();
+    let is_new = |name: &&String| of.files[*name].hash != manifest.files[*name].hash;
+    assert!(
+        of.files.keys().any(|name| is_new(&name)),
+        "streams were cut"
+    );
+    for (name, entry) in &of.files {
+        assert!(right.file(name) == Some(&object(&entry.hash)), "{name}");
+    }
+    let other = server.get(
+        "/v1/characters/man/cut?tier=2&loa=1&mesh=1&texture=0256",
+        &[],
+    );
+    let canonical = path.rsplit('/').next().unwrap();
+    assert_eq!((other.status, other.header("location")), (308, canonical));
+    let answer = server.get("/v1/characters/man/cut?tier=9", &[]);
+    assert!(refused(&answer, 400).contains("tier: found 9, expected a whole number from 0 to "));
 }
 
 /// Queries that are wrong, or written in another way than the canonical one.
@@ -186,10 +234,10 @@ fn wrong(server: &Server, coarsest: u32) {
     for (query, canonical) in [
         (
             "textureSizeLimit=0512&lod=01",
-            "?lod=1&textureSizeLimit=512",
+            "man.glb?lod=1&textureSizeLimit=512",
         ),
-        ("morphTargets=b%2ca", "?morphTargets=a,b"),
-        ("&", "?"),
+        ("morphTargets=b%2ca", "man.glb?morphTargets=a,b"),
+        ("&", "man.glb?"),
     ] {
         let answer = server.get(&format!("/v1/characters/man.glb?{query}"), &[]);
         assert_eq!((answer.status, answer.header("location")), (308, canonical));
