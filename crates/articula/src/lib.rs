@@ -33,6 +33,7 @@
 //! - [`client`]: digital items as they arrive over a network, and the sessions of a server
 //! - [`flatten`]: a moving character as animated SVG, 2D player, Lottie or portrait
 //! - [`impostor`]: a character as small pictures, for who is far away
+//! - [`device`]: how much of a character a device can play, by a benchmark
 //! - [`evaluate`]: error and cost of motion level-of-detail methods on a clip
 //! - [`inspect`]: contents of a file, and warnings about it; [`rig_joint_map`]: the joint map of a rig
 //!   as it was recognised
@@ -52,7 +53,7 @@
 //!   written, and the motion streams of an asset are read
 //! - `item`: [`item`], and [`fs`] opens digital items; includes the three others
 //!
-//! [`inspect`] needs `flat` and `streams`. A file whose feature is off is refused with an error that names it.
+//! [`inspect`] and [`device`] need `flat` and `streams`. A file whose feature is off is refused with an error that names it.
 //!
 //! The crates that the library combines are its modules [`core`], [`formats`], [`build`], [`flat`],
 //! [`stream`] and [`human`]; their types stand in its signatures, so that a program depends on this
@@ -68,6 +69,8 @@ pub mod client;
 pub mod clip_streams;
 pub mod convert;
 pub mod crowd;
+#[cfg(all(feature = "flat", feature = "streams"))]
+pub mod device;
 mod error;
 pub mod evaluate;
 pub mod face;

@@ -22,6 +22,7 @@ mod crowd_measured;
 mod crowd_roles;
 mod crowd_vertices;
 mod delivered_items;
+mod devices;
 mod face_errors;
 mod face_joints;
 mod faces;
