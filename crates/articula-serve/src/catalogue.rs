@@ -275,6 +275,11 @@ impl Catalogue {
         &self.0.options
     }
 
+    /// A folder in that of what the server makes.
+    pub(crate) fn made(&self, name: &str) -> PathBuf {
+        self.0.root.join(MADE).join(name)
+    }
+
     pub(crate) fn objects(&self) -> &Objects {
         &self.0.objects
     }

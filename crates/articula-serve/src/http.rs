@@ -9,7 +9,7 @@ use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::page::{list, path_of};
 use crate::upload::upload;
-use crate::{connections, cut, glb, session};
+use crate::{connections, cut, devices, glb, session};
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path, Query, RawQuery, Request, State};
@@ -61,6 +61,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .route("/v1/o/{hash}", get(object))
         .merge(session::routes())
         .merge(cut::routes())
+        .merge(devices::routes())
         .layer(from_fn_with_state(limited, limit))
         // These answer also when all places are taken.
         .route("/healthz", get(|| async { "ok\n" }))

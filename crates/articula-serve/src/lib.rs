@@ -21,6 +21,7 @@
 //! - `query`, `made`: queries in one form, and what they make of items, once each
 //! - `cut`, `glb`: an item that is cut, and a character as one GLB, by query
 //! - `upload`: bodies that clients send
+//! - `device_store`, `devices`: results of benchmarks of devices, and their routes
 //! - `http`: routes
 //! - `paced`, `connections`: connections at a rate, so many at once, and how they end
 //!
@@ -41,6 +42,8 @@ mod answer;
 mod catalogue;
 mod connections;
 mod cut;
+mod device_store;
+mod devices;
 mod error;
 mod glb;
 mod http;
