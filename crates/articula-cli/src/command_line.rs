@@ -1,8 +1,8 @@
 //! The top level of the command line.
 
 use crate::commands::{
-    adapt, build, completions, convert, crowd, demo, flatten, gbsd, human, inspect, lod, package,
-    play, serve,
+    adapt, bench, build, completions, convert, crowd, demo, flatten, gbsd, human, inspect, lod,
+    package, play, serve,
 };
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
@@ -76,6 +76,8 @@ pub(crate) enum Command {
     Serve(serve::ServeArgs),
     /// Show a served character in the terminal while it arrives; report times and bytes
     Play(play::PlayArgs),
+    /// Measure what this device can play, and send the result to a server
+    Bench(bench::BenchArgs),
     /// Print the description of a stream after MPEG-21 (gBSD), or the stylesheet that adapts it
     Gbsd(gbsd::GbsdArgs),
     /// Print a completion script for a shell
@@ -98,6 +100,7 @@ impl Command {
             Self::Adapt(args) => adapt::run(args, console),
             Self::Serve(args) => serve::run(args, console),
             Self::Play(args) => play::run(args, console),
+            Self::Bench(args) => bench::run(args, console),
             Self::Gbsd(args) => gbsd::run(args, console),
             Self::Completions(args) => completions::run(args, CommandLine::command(), console),
         }

@@ -1,6 +1,7 @@
 //! One module per command; a command reads files, calls the libraries and prints the result.
 
 pub(crate) mod adapt;
+pub(crate) mod bench;
 pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod convert;

@@ -273,6 +273,25 @@ fn a_device_gets_what_it_bears() {
     let files = ["--context", "client.json", "--context", "server.xml"];
     let both = json(&here, &[&["adapt", "robot"][..], &files].concat());
     assert_eq!(both["decision"]["parts"], slow["decision"]["parts"]);
+    // And by a benchmark: the full grade of crowds at 36 of 60 frames per second.
+    let report = r#"{"device": {"cpu": "a", "cores": 1, "os": "b", "arch": "c", "program": "d",
+        "backend": "e", "threads": 1}, "results": [{"application": "crowd",
+        "grades": [{"grade": 9, "fps": 36, "runs": 6}]}]}"#;
+    std::fs::write(here.join("device.json"), report).unwrap();
+    let measured = with("device.json");
+    let ratio = measured["decision"]["device_ratio"].as_f64().unwrap();
+    assert!((ratio - 0.6).abs() < 1e-9, "{ratio}");
+    assert_eq!(measured["decision"]["parts"], slow["decision"]["parts"]);
+    std::fs::write(here.join("wrong.json"), report.replace("36", "-36")).unwrap();
+    let why = fault(
+        &here,
+        1,
+        &["adapt", "robot", "--device-score", "wrong.json"],
+    );
+    assert!(
+        why.contains("wrong.json: results[0].grades[0]: fps"),
+        "{why}"
+    );
     let why = fault(&here, 1, &["adapt", "robot", "--device-score", "0"]);
     assert!(why.contains("nothing of the item fits"), "{why}");
 }

@@ -20,6 +20,7 @@ mod clips;
 mod compressed_oracle;
 mod conversion;
 mod crowd;
+mod devices;
 mod face_shapes;
 mod faces;
 mod fba_oracle;

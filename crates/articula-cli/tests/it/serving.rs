@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 /// A server, which ends with the test.
-struct Server(Child);
+pub(crate) struct Server(Child);
 
 impl Drop for Server {
     fn drop(&mut self) {
@@ -19,7 +19,7 @@ impl Drop for Server {
 }
 
 /// A server of a folder, with its address.
-fn started(folder: &Path, arguments: &[&str]) -> (Server, String) {
+pub(crate) fn started(folder: &Path, arguments: &[&str]) -> (Server, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_articula"))
         .args(["--json", "serve"])
         .arg(folder)

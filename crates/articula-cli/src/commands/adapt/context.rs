@@ -4,6 +4,7 @@ use crate::arguments::{number, settings};
 use crate::files;
 use anyhow::Context as _;
 use articula::core::{Region, Zone};
+use articula::device::DeviceReport;
 use articula::stream::DescriptionLimits;
 use articula::stream::description::{Benchmark, Context, Modality};
 use clap::{Args, ValueEnum};
@@ -53,13 +54,31 @@ pub(crate) struct ContextArgs {
     /// lower, face-shoulders
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     zones: Vec<Zone>,
-    /// Score of the device in a benchmark, in percent of a reference machine that shows all of the item at
-    /// the wanted rate: less is sent that takes less time per frame
-    #[arg(long, value_name = "N", value_parser = at_least_0)]
-    device_score: Option<f64>,
+    /// Report of articula bench device, or the score of the device in a benchmark, in percent of a reference
+    /// machine that shows all of the item at the wanted rate: less is sent that takes less time per frame
+    #[arg(long, value_name = "N|F.json", value_parser = device_score)]
+    device_score: Option<DeviceScore>,
     /// Form in which the character is shown [default: 3d where possible]
     #[arg(long, value_enum, value_name = "FORM")]
     modality: Option<ModalityArgument>,
+}
+
+/// How fast the device is.
+#[derive(Debug, Clone, PartialEq)]
+enum DeviceScore {
+    /// In percent of a reference machine.
+    Percent(f64),
+    /// As a benchmark has reported it.
+    Report(PathBuf),
+}
+
+/// Parses a score or the name of a report.
+fn device_score(text: &str) -> Result<DeviceScore, String> {
+    if text.to_lowercase().ends_with(".json") {
+        return Ok(DeviceScore::Report(text.into()));
+    }
+    let what = "a number from 0 on, or a report (.json) of articula bench device";
+    number(text, |n| n >= 0.0, what).map(DeviceScore::Percent)
 }
 
 /// The finest parts that are sent.
@@ -96,18 +115,28 @@ pub(super) fn limits(text: &str) -> Result<FinestParts, String> {
 }
 
 impl ContextArgs {
-    /// The files of contexts.
+    /// The files of contexts and of the device.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        self.context.iter().map(PathBuf::as_path)
+        let report = self.device_score.iter().filter_map(|score| match score {
+            DeviceScore::Report(path) => Some(path),
+            DeviceScore::Percent(_) => None,
+        });
+        self.context.iter().chain(report).map(PathBuf::as_path)
     }
 
     /// The context of all files, aggregated, with what flags tell.
     pub(crate) fn context(&self, finest: &FinestParts) -> anyhow::Result<Context> {
         let mut context = Context::default();
-        for path in self.files() {
+        for path in &self.context {
             context = Context::aggregate(&context, &read(path)?);
         }
         self.add_to(&mut context, finest);
+        if let Some(DeviceScore::Report(path)) = &self.device_score {
+            let bytes = files::read(path, DescriptionLimits::default().bytes)?;
+            let report = DeviceReport::read(&bytes).with_context(|| files::shown(path))?;
+            context.terminal.benchmarks.clear();
+            report.add_to(&mut context);
+        }
         Ok(context)
     }
 
@@ -124,10 +153,10 @@ impl ContextArgs {
             terminal.width_px = Some(width.into());
             terminal.height_px = Some(height.into());
         }
-        if let Some(score) = self.device_score {
+        if let Some(DeviceScore::Percent(score)) = &self.device_score {
             terminal.benchmarks = vec![Benchmark {
                 name: DEVICE.to_owned(),
-                score: Some(score),
+                score: Some(*score),
                 ..Benchmark::default()
             }];
         }
