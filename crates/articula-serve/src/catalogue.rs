@@ -276,7 +276,7 @@ impl Catalogue {
     }
 
     /// A folder in that of what the server makes.
-    pub(crate) fn made(&self, name: &str) -> PathBuf {
+    pub(crate) fn folder(&self, name: &str) -> PathBuf {
         self.0.root.join(MADE).join(name)
     }
 

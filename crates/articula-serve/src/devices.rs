@@ -168,7 +168,7 @@ async fn with_store<T: Send + 'static>(
     catalogue: Catalogue,
     work: impl FnOnce(&DeviceStore) -> Result<T, ServeError> + Send + 'static,
 ) -> Result<T, ServeError> {
-    let store = DeviceStore::new(catalogue.made(FOLDER));
+    let store = DeviceStore::new(catalogue.folder(FOLDER));
     let done = tokio::task::spawn_blocking(move || work(&store)).await;
     done.unwrap_or_else(|error| Err(ServeError::Network(std::io::Error::other(error))))
 }

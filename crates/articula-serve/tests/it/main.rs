@@ -7,10 +7,10 @@
 )]
 
 mod client;
+mod devices;
 #[path = "../../../articula-cli/tests/it/judges/mod.rs"]
 mod judges;
 mod queries;
-mod devices;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod refusals;

@@ -69,7 +69,7 @@ pub(super) const GRADES: usize = 12;
 type Drawn = (u8, (u32, u32), u32);
 
 /// The reference machine is a virtual machine on an AMD EPYC with AVX-512, on one thread
-/// (`docs/methods/adaptation.md` part 7): the unit of all scores.
+/// (`docs/methods/adaptation.md` part 8): the unit of all scores.
 const BODY: [Drawn; GRADES] = [
     (5, (1920, 2560), 325_000),
     (5, (1440, 1920), 190_000),

@@ -1,6 +1,6 @@
 //! What a device can play: graded content, the run that plays it, and the result.
 //!
-//! Source: thesis 3.2.2; `docs/methods/adaptation.md` part 7. The caller has the clock: it plays what
+//! Source: thesis 3.2.2; `docs/methods/adaptation.md` part 8. The caller has the clock: it plays what
 //! [`BenchmarkRun::next_grade`] asks for, a frame at a time, and tells how long that took.
 //!
 //! ```text
