@@ -2,7 +2,7 @@
 //!
 //! State machines on the caller's clock. Source of the thresholds: players of video (hls.js keeps a
 //! rate up to 0.95 of the estimate and takes a higher one up to 0.7); `docs/methods/adaptation.md`
-//! part 4. Layers are counted: 1 is the base alone.
+//! part 5. Layers are counted: 1 is the base alone.
 
 /// Thresholds of a [`LayerSwitch`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! Estimate of the bandwidth from finished transfers.
 //!
 //! Two exponentially weighted means with half-lives of 3 s and 9 s, of which the smaller counts, as
-//! in players of video (hls.js); `docs/methods/adaptation.md` part 4. Different here: a sample weighs
+//! in players of video (hls.js); `docs/methods/adaptation.md` part 5. Different here: a sample weighs
 //! the time that it stands for, not its own duration, since transfers of animation are short and far
 //! apart; and the first guess is a sample like others.
 

@@ -119,6 +119,11 @@ pub(crate) fn is_of_rig(head: &MotionHead, rig: &Rig) -> bool {
     head.rig_hash == of_version(head.version, rig)
 }
 
+/// Whether a stream can be shown with a rig: it is of this one, or does not tell of which it is.
+pub(crate) fn suits(head: &MotionHead, rig: &Rig) -> bool {
+    head.rig_hash == 0 || is_of_rig(head, rig)
+}
+
 /// Decodes a stream with the rig of the character called `of`.
 pub(crate) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Result<Clip> {
     if StreamKind::of(bytes) != Some(StreamKind::Abp2) {
@@ -127,8 +132,7 @@ pub(crate) fn decode(bytes: &[u8], rig: &Rig, of: &str, limits: &Limits) -> Resu
     }
     let received = MotionReceiver::read(bytes, rig, &stream_limits(limits))?;
     if let Some(head) = received.head()
-        && head.rig_hash != 0
-        && !is_of_rig(head, rig)
+        && !suits(head, rig)
     {
         return Err(Error::unsuited(format!(
             "the stream was made for another character than {of}: joint names or rest poses differ"

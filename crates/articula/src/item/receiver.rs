@@ -9,18 +9,16 @@ use super::manifest::Manifest;
 use super::part::{ItemLayer, ItemPart, PartKind};
 use super::pieces::Pieces;
 use super::shown::{Shown, ShownFigure};
+use super::stream_receiver::{StreamChange, StreamReceiver};
 use super::wanted::ItemBytes;
-use crate::clip_streams::abp2::is_of_rig;
+use crate::clip_streams::abp2::suits;
 use crate::clip_streams::{afp2, stream_limits};
 use crate::error::{Context as _, Error, Result};
 use crate::open::{CharacterFile, OpenOptions};
 use articula_core::{Clip, Rig};
 use articula_formats::mpeg4::fap::FapClip;
-use articula_stream::abp2::MotionReceiver;
-use articula_stream::afp2::FaceReceiver;
 use articula_stream::description::Context;
-use articula_stream::mesh;
-use articula_stream::{ByteRanges, FaceReadOptions, StreamError, StreamLimits};
+use articula_stream::{ByteRanges, StreamLimits};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ops::Range;
@@ -42,15 +40,7 @@ pub struct ItemReceiver {
     files: BTreeMap<String, Pieces>,
     /// Rig of the figure, once its file is whole.
     rig: Option<Rig>,
-    streams: BTreeMap<usize, Stream>,
-}
-
-/// The receiver of a part's stream.
-#[derive(Debug)]
-enum Stream {
-    Motion(Box<MotionReceiver>),
-    Face(Box<FaceReceiver>),
-    Mesh(Box<mesh::Receiver>),
+    streams: BTreeMap<usize, StreamReceiver>,
 }
 
 /// What bytes changed.
@@ -229,7 +219,7 @@ impl ItemReceiver {
         let Some(pieces) = of_part.file.as_ref().and_then(|file| self.files.get(file)) else {
             return Ok(ItemChange::Nothing);
         };
-        if of_part.comes_whole() {
+        if of_part.kind == PartKind::FaceMotion && of_part.comes_whole() {
             return Ok(match pieces.whole() {
                 Some(_) => ItemChange::Motion {
                     part,
@@ -238,59 +228,36 @@ impl ItemReceiver {
                 None => ItemChange::Nothing,
             });
         }
-        // A stream is opened once its head is there; then all that waited is new.
         let is_new = !self.streams.contains_key(&part);
         let known = match self.streams.entry(part) {
             Entry::Occupied(known) => known.into_mut(),
             Entry::Vacant(place) => {
-                let has_head =
-                    |[start, count]: &[u64; 2]| pieces.get(&(*start..start + count)).is_some();
-                if !of_part.base_ranges.first().is_some_and(has_head) {
+                let Some(start) = of_part.opening(pieces) else {
                     return Ok(ItemChange::Nothing);
-                }
-                match opened(
-                    of_part.kind,
-                    self.rig.as_ref(),
-                    pieces.start(),
-                    &self.limits,
-                )? {
+                };
+                let rig = self.rig.as_ref();
+                match StreamReceiver::open(of_part.kind, rig, start, &self.limits)? {
                     Some(made) => place.insert(made),
                     None => return Ok(ItemChange::Nothing),
                 }
             }
         };
+        // When a stream is opened, all that waited is new.
         let new = if is_new { pieces.there() } else { new };
-        let mut frames = 0..0;
-        match known {
-            Stream::Mesh(receiver) => {
-                let is_finer = take_chunks(receiver, pieces, new)?;
-                return Ok(match is_finer || is_new {
-                    true => ItemChange::Mesh { part },
-                    false => ItemChange::Nothing,
-                });
-            }
-            Stream::Motion(receiver) => {
-                for range in new.ranges() {
-                    let bytes = pieces.get(range).unwrap_or_default();
-                    frames = joined(frames, receiver.receive_at(range.start, bytes)?);
-                }
-                if let (Some(head), Some(rig)) = (receiver.head(), &self.rig)
-                    && !is_of_rig(head, rig)
-                {
-                    let what = "the stream was made for another character: joint names or rest poses differ";
-                    return Err(Error::unsuited(what));
-                }
-            }
-            Stream::Face(receiver) => {
-                for range in new.ranges() {
-                    let bytes = pieces.get(range).unwrap_or_default();
-                    frames = joined(frames, receiver.receive_at(range.start, bytes)?);
-                }
-            }
+        let changed = known.receive(pieces, new)?;
+        if let (Some(rig), StreamReceiver::Motion(receiver)) = (&self.rig, known)
+            && receiver.head().is_some_and(|head| !suits(head, rig))
+        {
+            let what =
+                "the stream was made for another character: joint names or rest poses differ";
+            return Err(Error::unsuited(what));
         }
-        Ok(match frames.is_empty() {
-            true => ItemChange::Nothing,
-            false => ItemChange::Motion { part, frames },
+        Ok(match changed {
+            StreamChange::Mesh(is_finer) if is_finer || is_new => ItemChange::Mesh { part },
+            StreamChange::Frames(frames) if !frames.is_empty() => {
+                ItemChange::Motion { part, frames }
+            }
+            StreamChange::Mesh(_) | StreamChange::Frames(_) => ItemChange::Nothing,
         })
     }
 
@@ -365,8 +332,8 @@ impl ItemReceiver {
     /// of the stream are there, and for other parts.
     pub fn clip(&self, part: usize) -> Option<Clip> {
         match self.streams.get(&part)? {
-            Stream::Motion(receiver) => receiver.clip().ok(),
-            Stream::Face(_) | Stream::Mesh(_) => None,
+            StreamReceiver::Motion(receiver) => receiver.clip().ok(),
+            StreamReceiver::Face(_) | StreamReceiver::Mesh(_) => None,
         }
     }
 
@@ -378,8 +345,8 @@ impl ItemReceiver {
             return faps(self.file(of_part.file.as_deref()?)?, &self.limits).ok();
         }
         match self.streams.get(&part)? {
-            Stream::Face(receiver) => afp2::received(receiver).ok(),
-            Stream::Motion(_) | Stream::Mesh(_) => None,
+            StreamReceiver::Face(receiver) => afp2::received(receiver).ok(),
+            StreamReceiver::Motion(_) | StreamReceiver::Mesh(_) => None,
         }
     }
 
@@ -395,7 +362,7 @@ impl ItemReceiver {
         let figure = ShownFigure::read(glb, &self.manifest, &self.options)?;
         let mut shown = Shown::default();
         for (p, part) in self.manifest.parts.iter().enumerate() {
-            if let Some(Stream::Mesh(receiver)) = self.streams.get(&p) {
+            if let Some(StreamReceiver::Mesh(receiver)) = self.streams.get(&p) {
                 let made = decoded(receiver, &figure.character.meshes, &self.limits);
                 let made = made.context(part.file.as_deref().unwrap_or_default())?;
                 shown.primitives.extend(made.primitives);
@@ -418,61 +385,5 @@ impl ItemReceiver {
             let file = part.layers[layer].file.as_deref();
             file.is_some_and(|file| self.file(file).is_some())
         })
-    }
-}
-
-/// The receiver of a stream whose first bytes, with its head, are `start`; `None` of a motion without the
-/// rig that it needs.
-fn opened(
-    kind: PartKind,
-    rig: Option<&Rig>,
-    start: &[u8],
-    limits: &StreamLimits,
-) -> Result<Option<Stream>, StreamError> {
-    Ok(match kind {
-        PartKind::BodyMotion => {
-            rig.map(|rig| Stream::Motion(Box::new(MotionReceiver::new(rig, limits))))
-        }
-        PartKind::FaceMotion => {
-            let receiver = FaceReceiver::new(&FaceReadOptions::default(), limits)?;
-            Some(Stream::Face(Box::new(receiver)))
-        }
-        PartKind::Mesh => Some(Stream::Mesh(Box::new(mesh::Receiver::read(start, limits)?))),
-        PartKind::Texture => None,
-    })
-}
-
-/// Passes the chunks that new bytes complete to a mesh; returns whether an object is finer now.
-fn take_chunks(
-    receiver: &mut mesh::Receiver,
-    pieces: &Pieces,
-    new: &ByteRanges,
-) -> Result<bool, StreamError> {
-    let stream = receiver.stream();
-    let (levels, objects) = (stream.levels.levels.len(), stream.objects.len());
-    let places = (0..levels).flat_map(|level| (0..objects).map(move |o| (level, o)));
-    let chunks = places.filter_map(|(level, object)| stream.chunk(level, object));
-    let mut ready = Vec::new();
-    for chunk in chunks.map(|chunk| chunk.start as u64..chunk.end as u64) {
-        let touches = |range: &Range<u64>| range.start < chunk.end && chunk.start < range.end;
-        if new.ranges().iter().any(touches)
-            && let Some(bytes) = pieces.get(&chunk)
-        {
-            ready.push((chunk.start, bytes));
-        }
-    }
-    let mut is_finer = false;
-    for (start, bytes) in ready {
-        is_finer |= !receiver.receive_at(start, bytes)?.is_empty();
-    }
-    Ok(is_finer)
-}
-
-/// The least range that has two.
-fn joined(a: Range<usize>, b: Range<usize>) -> Range<usize> {
-    match (a.is_empty(), b.is_empty()) {
-        (true, _) => b,
-        (_, true) => a,
-        _ => a.start.min(b.start)..a.end.max(b.end),
     }
 }

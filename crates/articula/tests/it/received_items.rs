@@ -243,6 +243,52 @@ fn what_is_wrong_is_refused_and_fetched_again() {
     assert!(client.character().unwrap().character() == right.character());
 }
 
+/// The manifest as version 1 has it: neither hashes nor ranges.
+fn manifest_of_version_1(item: &Item) -> Vec<u8> {
+    let mut plain: Value = serde_json::from_slice(&manifest(item)).unwrap();
+    plain["version"] = 1.into();
+    plain.as_object_mut().unwrap().remove("files");
+    for part in plain["parts"].as_array_mut().unwrap() {
+        part.as_object_mut().unwrap().remove("base_ranges");
+        for layer in part["layers"].as_array_mut().unwrap() {
+            layer.as_object_mut().unwrap().remove("ranges");
+        }
+    }
+    plain.to_string().into_bytes()
+}
+
+#[test]
+fn streams_without_ranges_are_shown_once_they_are_whole() {
+    for item in [textured(), speaking()].into_iter().flatten() {
+        let plain = manifest_of_version_1(item);
+        let mut client = ItemReceiver::new(&plain, &OpenOptions::default()).unwrap();
+        let parts = item.manifest.parts.iter();
+        let all = ItemCut::Layers {
+            kept: parts.map(|p| vec![true; p.layers.len()]).collect(),
+            regions: Regions::default(),
+        };
+        let missing = client.missing(&all).unwrap();
+        for (name, ranges) in missing.files() {
+            let file = item.file(name).unwrap();
+            assert_eq!(ranges.bytes(), file.len() as u64, "{name}");
+            let (start, end) = file.split_at(file.len() / 2);
+            let later = client.receive(name, start.len() as u64, end).unwrap();
+            assert_eq!(later, ItemChange::Nothing, "{name}");
+            let whole = client.receive(name, 0, start).unwrap();
+            // Motions of the body come before the figure, which shows them.
+            let waits = name.ends_with(".abp");
+            assert_eq!(whole == ItemChange::Nothing, waits, "{name}");
+        }
+        let right = assemble(item, &OpenOptions::default()).unwrap();
+        assert!(
+            !right.character().meshes[0].primitives[0]
+                .triangles
+                .is_empty()
+        );
+        assert!(client.character().unwrap().character() == right.character());
+    }
+}
+
 #[test]
 fn hostile_manifests_and_bytes_end_in_values_or_errors() {
     let Some(item) = textured() else { return };
