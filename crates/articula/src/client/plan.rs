@@ -6,7 +6,7 @@ use crate::item::delivery::{
     Delivery, Kept, PieceOf, access_units, is_motion, largest, mesh_level, side,
 };
 use crate::item::{
-    AdaptOptions, ItemBytes, ItemLayer, ItemPart, Manifest, PartKind, texture_error_px,
+    AdaptOptions, Item, ItemBytes, ItemLayer, ItemPart, Manifest, PartKind, texture_error_px,
 };
 use articula_stream::decide::{LayerSwitch, SwitchRule};
 use articula_stream::description::Context;
@@ -58,7 +58,8 @@ impl DeliveryPlan {
     /// As [`decide`](crate::item::decide); if the context gets no 3D, or the manifest has no ranges of bytes.
     pub fn new(manifest: &Manifest, context: &Context, options: &AdaptOptions) -> Result<Self> {
         let mut units = |part: &_| Ok(access_units(part));
-        let delivery = Delivery::of(manifest, context, options, &mut units)?;
+        let item = Item::elsewhere(manifest.clone());
+        let delivery = Delivery::of(&item, context, options, &mut units)?;
         Ok(Self(Arc::new(Planned::of(delivery))))
     }
 }

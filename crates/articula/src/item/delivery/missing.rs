@@ -21,16 +21,15 @@ impl Delivery {
     /// The pieces of an item and its levels for the view, the device and the wishes of a context, whatever
     /// its bandwidth.
     pub(crate) fn of(
-        manifest: &Manifest,
+        item: &Item,
         context: &Context,
         options: &AdaptOptions,
         units: &mut UnitsOf<'_>,
     ) -> Result<Self> {
-        let item = Item::elsewhere(manifest.clone());
         Ok(Self {
-            ladder: Ladder::of(&item, context, options)?,
-            catalogue: Catalogue::of(manifest, units)?,
-            manifest: item.manifest,
+            ladder: Ladder::of(item, context, options)?,
+            catalogue: Catalogue::of(&item.manifest, units)?,
+            manifest: item.manifest.clone(),
         })
     }
 

@@ -23,7 +23,7 @@ pub(super) struct Content {
 impl Content {
     pub(super) fn of(item: Item, context: &Context, options: &TraceOptions) -> Result<Self> {
         let mut units = |part: &ItemPart| access_units(&item, part);
-        let delivery = Delivery::of(&item.manifest, context, &options.adapt, &mut units)?;
+        let delivery = Delivery::of(&item, context, &options.adapt, &mut units)?;
         Ok(Self {
             timeline: Timeline::of(&item, options)?,
             pixels_per_metre: delivery.pixels_per_metre(),
