@@ -28,7 +28,7 @@
 //! - `adapt`: from an item to one that a context asks for; `decision_report`: what was decided, as JSON
 //! - `documents`: declaration, descriptions, table and stylesheet after MPEG-21
 //! - `decoded_mesh`, `shown`, `assemble`: from an item to a character
-//! - `wanted`, `pieces`, `stream_receiver`, `receiver`: the same while its bytes arrive, in any order
+//! - `wanted`, `pieces`, `stream_receiver`, `receiver`, `renewed`: the same while its bytes arrive, in any order
 //! - `delivery`: an item in pieces, and the levels of quality that they make
 //! - `trace`: an item played over a recorded bandwidth
 //!
@@ -74,6 +74,7 @@ mod package;
 mod part;
 mod pieces;
 mod receiver;
+mod renewed;
 mod rounding;
 mod sent;
 mod shown;

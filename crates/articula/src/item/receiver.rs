@@ -6,7 +6,7 @@ use super::check;
 use super::decoded_mesh::decoded;
 use super::files::Item;
 use super::manifest::Manifest;
-use super::part::{ItemLayer, ItemPart, PartKind};
+use super::part::{ItemPart, PartKind};
 use super::pieces::Pieces;
 use super::shown::{Shown, ShownFigure};
 use super::stream_receiver::{StreamChange, StreamReceiver};
@@ -18,6 +18,7 @@ use crate::open::{CharacterFile, OpenOptions};
 use articula_core::{Clip, Rig};
 use articula_formats::mpeg4::fap::FapClip;
 use articula_stream::description::Context;
+use articula_stream::mesh::Receiver;
 use articula_stream::{ByteRanges, StreamLimits};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -34,13 +35,14 @@ use std::ops::Range;
 /// A file that is whole is checked against its hash; streams check their units and chunks as they come.
 #[derive(Debug)]
 pub struct ItemReceiver {
-    manifest: Manifest,
-    options: OpenOptions,
+    pub(super) manifest: Manifest,
+    pub(super) options: OpenOptions,
     limits: StreamLimits,
-    files: BTreeMap<String, Pieces>,
+    pub(super) files: BTreeMap<String, Pieces>,
     /// Rig of the figure, once its file is whole.
-    rig: Option<Rig>,
-    streams: BTreeMap<usize, StreamReceiver>,
+    pub(super) rig: Option<Rig>,
+    /// The receivers of streams, by the part.
+    pub(super) streams: BTreeMap<usize, StreamReceiver>,
 }
 
 /// What bytes changed.
@@ -78,16 +80,21 @@ impl ItemReceiver {
     /// An [`Error`] that names the member of the manifest, as [`Item::open`](super::Item::open).
     pub fn new(manifest: &[u8], options: &OpenOptions) -> Result<Self> {
         let manifest = check::read(manifest, &options.limits).context(super::MANIFEST)?;
+        Ok(Self::of(manifest, options))
+    }
+
+    /// A receiver of the item of a manifest that is checked.
+    pub(super) fn of(manifest: Manifest, options: &OpenOptions) -> Self {
         let sizes = manifest.sizes().into_iter();
         let files = sizes.map(|(name, bytes)| (name.to_owned(), Pieces::of_length(bytes)));
-        Ok(Self {
+        Self {
             files: files.collect(),
             limits: stream_limits(&options.limits),
             options: options.clone(),
             manifest,
             rig: None,
             streams: BTreeMap::new(),
-        })
+        }
     }
 
     /// Returns the manifest.
@@ -179,7 +186,7 @@ impl ItemReceiver {
     }
 
     /// Gives up all bytes of a file.
-    fn forget(&mut self, file: &str) {
+    pub(super) fn forget(&mut self, file: &str) {
         if let Some(pieces) = self.files.get_mut(file) {
             pieces.clear();
         }
@@ -214,7 +221,7 @@ impl ItemReceiver {
     }
 
     /// Passes bytes of the stream of a part that came to its receiver, if it has what that needs.
-    fn show(&mut self, part: usize, new: &ByteRanges) -> Result<ItemChange> {
+    pub(super) fn show(&mut self, part: usize, new: &ByteRanges) -> Result<ItemChange> {
         let of_part = &self.manifest.parts[part];
         let Some(pieces) = of_part.file.as_ref().and_then(|file| self.files.get(file)) else {
             return Ok(ItemChange::Nothing);
@@ -261,62 +268,6 @@ impl ItemReceiver {
         })
     }
 
-    /// Returns a receiver of another state of the item, such as the [next stage](super::package_in_stages())
-    /// of its packaging, that holds what this one holds of it: files with the same hash, and of a stream
-    /// that has grown the layers that both have. Of such a stream only the base is fetched anew.
-    ///
-    /// # Errors
-    /// As [`Self::new`]. What does not fit is left out.
-    pub fn renewed(&self, manifest: &[u8]) -> Result<Self> {
-        let mut made = Self::new(manifest, &self.options)?;
-        for (name, entry) in made.manifest.files.clone() {
-            let same = self
-                .manifest
-                .files
-                .iter()
-                .find(|(_, e)| e.hash == entry.hash);
-            for (offset, bytes) in same.into_iter().flat_map(|(known, _)| self.pieces(known)) {
-                // A fault is found again when the bytes are fetched.
-                let _ = made.receive(&name, offset, bytes);
-            }
-        }
-        for part in made.manifest.parts.clone() {
-            let same = |p: &&ItemPart| (p.kind, &p.name) == (part.kind, &part.name);
-            let (Some(file), Some(before)) = (&part.file, self.manifest.parts.iter().find(same))
-            else {
-                continue;
-            };
-            for layer in &part.layers {
-                for (offset, bytes) in self.moved(before, layer) {
-                    let _ = made.receive(file, offset, &bytes);
-                }
-            }
-        }
-        Ok(made)
-    }
-
-    /// The bytes of a layer as this receiver holds them in its stream, at their places in another one.
-    fn moved(&self, part: &ItemPart, layer: &ItemLayer) -> Vec<(u64, Vec<u8>)> {
-        let same = |l: &&ItemLayer| l.keep == layer.keep && l.bytes == layer.bytes;
-        let pieces = part.file.as_ref().and_then(|file| self.files.get(file));
-        let (Some(known), Some(pieces)) = (part.layers.iter().find(same), pieces) else {
-            return Vec::new();
-        };
-        let held = known.ranges.iter();
-        let held = held.map(|[start, count]| pieces.get(&(*start..start + count)));
-        let Some(bytes) = held.collect::<Option<Vec<_>>>().map(|held| held.concat()) else {
-            return Vec::new();
-        };
-        let mut at = 0;
-        let mut moved = Vec::with_capacity(layer.ranges.len());
-        for [start, count] in &layer.ranges {
-            let end = at + *count as usize;
-            moved.extend(bytes.get(at..end).map(|bytes| (*start, bytes.to_vec())));
-            at = end;
-        }
-        moved
-    }
-
     /// Returns a file that is whole.
     pub fn file(&self, name: &str) -> Option<&[u8]> {
         self.files.get(name)?.whole()
@@ -326,6 +277,14 @@ impl ItemReceiver {
     /// [`Self::receive`] takes to go on later.
     pub fn pieces(&self, file: &str) -> impl Iterator<Item = (u64, &[u8])> {
         self.files.get(file).into_iter().flat_map(Pieces::all)
+    }
+
+    /// The meshes as received so far.
+    pub(super) fn meshes(&self) -> impl Iterator<Item = &Receiver> {
+        self.streams.values().filter_map(|stream| match stream {
+            StreamReceiver::Mesh(receiver) => Some(&**receiver),
+            StreamReceiver::Motion(_) | StreamReceiver::Face(_) => None,
+        })
     }
 
     /// Returns the motion of the body of a part as received so far; `None` before the figure and the head

@@ -161,6 +161,11 @@ fn check(item: &Item, steps: &[Vec<usize>], seed: u64) {
                 .zip(kept)
                 .for_each(|(held, kept)| *held |= kept);
         }
+        if mixed(seed ^ s as u64).is_multiple_of(3) {
+            // The same state of the item again: nothing is lost.
+            client = client.renewed(&manifest(item)).unwrap();
+            assert_eq!(client.missing(&cut).unwrap().bytes(), 0);
+        }
         if mixed(seed ^ s as u64).is_multiple_of(2) {
             // The client ends, and another goes on from what it stored, in another order.
             let mut next = receiver(item);
