@@ -1,12 +1,13 @@
 //! The characters of a folder, and the state of each.
 
 use crate::error::ServeError;
-use crate::made::Made;
+use crate::making::Making;
 use crate::metrics::Metrics;
 use crate::objects::{Objects, remove, write};
 use crate::options::ServeOptions;
+use crate::plans::Plans;
 use crate::record::{Records, Served, read};
-use crate::session::{Plans, Sessions};
+use crate::sessions::Sessions;
 use articula::Format;
 use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
@@ -71,7 +72,7 @@ struct Shared {
     options: ServeOptions,
     objects: Objects,
     records: Records,
-    made: Made,
+    made: Making,
     metrics: Metrics,
     sessions: Arc<Sessions>,
     plans: Plans,
@@ -95,7 +96,7 @@ impl Catalogue {
             root: root.to_path_buf(),
             objects: Objects::new(made.join("objects"), options.most_recent_bytes),
             records: Records::new(made.join("items"), options),
-            made: Made::new(made.join("queries"), options.packaging),
+            made: Making::new(made.join("queries"), options.packaging),
             options: options.clone(),
             metrics: Metrics::default(),
             sessions: Sessions::new(options.most_sessions),
@@ -288,7 +289,7 @@ impl Catalogue {
         &self.0.records
     }
 
-    pub(crate) fn made(&self) -> &Made {
+    pub(crate) fn made(&self) -> &Making {
         &self.0.made
     }
 

@@ -3,10 +3,10 @@
 use crate::answer::Answer;
 use crate::catalogue::Catalogue;
 use crate::cut::{LOA, Pairs, Wanted, clips, coarsest, elsewhere, pairs_of};
-use crate::http::{CHANGING, stored};
 use crate::made::{NotMade, made, whole};
 use crate::objects::{Coding, ObjectName, Objects};
 use crate::query::{Parameters, Refusal, unknown_word};
+use crate::reply::{CHANGING, stored};
 use articula::build::face::arkit_name;
 use articula::item::{Item, Manifest, PartKind, assemble, compressed};
 use articula::{CharacterFile, Format, OpenOptions, convert};

@@ -17,8 +17,9 @@
 //! - `range`: parts of a body
 //! - `answer`: bodies with their tags
 //! - `metrics`, `page`: the state of the server for programs and people
-//! - `session`: sessions over WebSocket
-//! - `query`, `made`: queries in one form, and what they make of items, once each
+//! - `reply`: answers that several routes give
+//! - `plans`, `sessions`, `session`: plans that sessions share, those that are open, and one over WebSocket
+//! - `query`, `making`, `made`: queries in one form, and what they make of items, once each
 //! - `cut`, `glb`: an item that is cut, and a character as one GLB, by query
 //! - `upload`: bodies that clients send
 //! - `device_store`, `devices`: results of benchmarks of devices, and their routes
@@ -48,16 +49,20 @@ mod error;
 mod glb;
 mod http;
 mod made;
+mod making;
 mod metrics;
 mod objects;
 mod options;
 mod paced;
 mod page;
+mod plans;
 mod prepare;
 mod query;
 mod range;
 mod record;
+mod reply;
 mod session;
+mod sessions;
 mod upload;
 
 pub use catalogue::{Catalogue, CharacterState, Progress};

@@ -3,22 +3,17 @@
 
 use crate::catalogue::{Catalogue, Progress};
 use crate::error::ServeError;
-use crate::http::{blocking, fault, later};
 use crate::metrics::Metrics;
 use crate::objects::{Coding, ObjectName, Objects, write};
 use crate::query::Refusal;
 use crate::record::{Served, read};
+use crate::reply::{blocking, fault, later};
 use articula::item::Item;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
-use tokio::sync::Semaphore;
-
-/// Most queries that wait to be made; others get 503.
-const MOST_WAITING: usize = 64;
+use std::path::Path;
+use std::sync::Arc;
 
 /// Why nothing is made.
 #[derive(Debug)]
@@ -89,43 +84,6 @@ pub(crate) fn whole(catalogue: &Catalogue, name: &str) -> Result<Served, NotMade
 #[derive(Debug, Serialize, Deserialize)]
 struct Record {
     object: String,
-}
-
-/// The records, and the queries that are being made.
-#[derive(Debug)]
-pub(crate) struct Made {
-    folder: PathBuf,
-    gates: Mutex<HashMap<String, Weak<tokio::sync::Mutex<()>>>>,
-    waiting: Arc<Semaphore>,
-    working: Semaphore,
-}
-
-impl Made {
-    /// Records in a folder; `working` are made at once.
-    pub(crate) fn new(folder: PathBuf, working: usize) -> Self {
-        Self {
-            folder,
-            gates: Mutex::default(),
-            waiting: Arc::new(Semaphore::new(MOST_WAITING)),
-            working: Semaphore::new(working.max(1)),
-        }
-    }
-
-    fn path(&self, key: &str) -> PathBuf {
-        self.folder.join(format!("{key}.json"))
-    }
-
-    /// The gate of a query, which one request passes at a time.
-    fn gate(&self, key: &str) -> Arc<tokio::sync::Mutex<()>> {
-        let mut gates = self.gates.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(gate) = gates.get(key).and_then(Weak::upgrade) {
-            return gate;
-        }
-        gates.retain(|_, gate| gate.strong_count() > 0);
-        let gate = Arc::default();
-        gates.insert(key.to_owned(), Arc::downgrade(&gate));
-        gate
-    }
 }
 
 /// What a query makes of an item.

@@ -1,7 +1,7 @@
 //! The page for people: the characters of the folder, and how far each is.
 
 use crate::catalogue::{CharacterState, Progress};
-use crate::session::SessionReport;
+use crate::sessions::SessionReport;
 
 /// HTML of the list.
 pub(crate) fn list(states: &[(String, CharacterState)], sessions: &[SessionReport]) -> String {

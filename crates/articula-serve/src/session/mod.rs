@@ -4,14 +4,8 @@
 //!
 //! - `route`: the upgrade, and places for so many sessions
 //! - `run`: one session
-//! - `plans`: plans that sessions share
-//! - `state`: what is shown of sessions to people
 
-mod plans;
 mod route;
 mod run;
-mod state;
 
-pub(crate) use plans::Plans;
 pub(crate) use route::routes;
-pub(crate) use state::{SessionReport, Sessions};

@@ -1,10 +1,10 @@
 //! The upgrade of a connection to a session.
 
 use super::run::run;
-use super::state::SessionReport;
 use crate::catalogue::Catalogue;
-use crate::http::later;
 use crate::metrics::Metrics;
+use crate::reply::later;
+use crate::sessions::SessionReport;
 use articula::client::MOST_MESSAGE_BYTES;
 use axum::extract::{State, WebSocketUpgrade};
 use axum::response::{IntoResponse, Response};

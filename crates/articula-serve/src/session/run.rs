@@ -1,11 +1,11 @@
 //! One session: messages of its client, manifests of the catalogue, bytes of the store.
 #![allow(clippy::disallowed_methods, reason = "a session has a clock")]
 
-use super::state::{OpenSession, SessionCharacter};
 use crate::catalogue::{Catalogue, Progress};
 use crate::metrics::Metrics;
 use crate::objects::Coding;
 use crate::record::Served;
+use crate::sessions::{OpenSession, SessionCharacter};
 use articula::client::{
     ClientMessage, Feed, FeedChange, FeedNext, Increment, ServerMessage, SessionError,
 };
