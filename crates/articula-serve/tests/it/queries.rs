@@ -57,6 +57,26 @@ fn refused(answer: &Answer, status: u16) -> String {
     answer.json()["error"].as_str().unwrap().to_owned()
 }
 
+/// The whole character, for which two clients ask at the same time: they get one file, which is made once.
+fn asked_twice(server: &Server) -> Answer {
+    let whole = std::thread::scope(|scope| {
+        let both = [(); 2].map(|()| scope.spawn(|| server.get("/v1/characters/man.glb", &[])));
+        let [first, second] = both.map(|thread| thread.join().unwrap());
+        assert_eq!((first.status, &first.body), (200, &second.body));
+        first
+    });
+    assert_eq!(counter(server, "articula_made_total"), 1);
+    let again = server.get(
+        "/v1/characters/man.glb",
+        &[("If-None-Match", whole.header("etag"))],
+    );
+    assert_eq!(
+        (again.status, again.header("etag")),
+        (304, whole.header("etag"))
+    );
+    whole
+}
+
 #[test]
 fn a_character_is_one_glb_of_what_a_query_asks_for() {
     let (Some(man), Some(head)) = (
@@ -83,22 +103,7 @@ fn a_character_is_one_glb_of_what_a_query_asks_for() {
         file
     };
 
-    // Two clients that ask at the same time get one file, which is made once.
-    let whole = std::thread::scope(|scope| {
-        let both = [(); 2].map(|()| scope.spawn(|| server.get("/v1/characters/man.glb", &[])));
-        let [first, second] = both.map(|thread| thread.join().unwrap());
-        assert_eq!((first.status, &first.body), (200, &second.body));
-        first
-    });
-    assert_eq!(counter(&server, "articula_made_total"), 1);
-    let again = server.get(
-        "/v1/characters/man.glb",
-        &[("If-None-Match", whole.header("etag"))],
-    );
-    assert_eq!(
-        (again.status, again.header("etag")),
-        (304, whole.header("etag"))
-    );
+    let whole = asked_twice(&server);
     let levels = &manifest
         .parts
         .iter()
