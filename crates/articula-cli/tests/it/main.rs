@@ -37,6 +37,7 @@ mod joint_maps;
 mod joint_schemes;
 mod judges;
 mod kept_files;
+mod killed_server;
 mod levels_oracle;
 mod mesh_levels;
 mod meshopt_oracle;

