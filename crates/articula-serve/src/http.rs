@@ -10,6 +10,7 @@ use crate::objects::ObjectName;
 use crate::page::{list, path_of};
 use crate::reply::{CHANGING, blocking, fault, later, stored, unknown};
 use crate::upload::upload;
+use crate::watcher::watched;
 use crate::{connections, cut, devices, glb, session};
 use axum::Json;
 use axum::body::Body;
@@ -50,6 +51,7 @@ pub async fn serve(
 /// Returns the routes of a catalogue.
 pub fn router(catalogue: Catalogue) -> axum::Router {
     let places = Arc::new(Semaphore::new(catalogue.options().most_requests));
+    let watcher = catalogue.options().watcher.clone();
     let limited = (catalogue.clone(), places);
     axum::Router::new()
         .route("/", get(page))
@@ -66,6 +68,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .route("/healthz", get(|| async { "ok\n" }))
         .route("/readyz", get(ready))
         .route("/metrics", get(metrics))
+        .layer(from_fn_with_state(watcher, watched))
         .with_state(catalogue)
 }
 

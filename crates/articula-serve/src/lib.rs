@@ -21,7 +21,7 @@
 //! - `plans`, `sessions`, `session`: plans that sessions share, those that are open, and one over WebSocket
 //! - `query`, `making`, `made`: queries in one form, and what they make of items, once each
 //! - `cut`, `glb`: an item that is cut, and a character as one GLB, by query
-//! - `upload`: bodies that clients send
+//! - `upload`: bodies that clients send; `watcher`: what each request was
 //! - `device_store`, `devices`: results of benchmarks of devices, and their routes
 //! - `http`: routes
 //! - `paced`, `connections`: connections at a rate, so many at once, and how they end
@@ -64,9 +64,11 @@ mod reply;
 mod session;
 mod sessions;
 mod upload;
+mod watcher;
 
 pub use catalogue::{Catalogue, CharacterState, Progress};
 pub use error::ServeError;
 pub use http::{router, serve};
 pub use options::ServeOptions;
 pub use prepare::Preparation;
+pub use watcher::{AnsweredRequest, RequestWatcher};

@@ -1,5 +1,6 @@
 //! Options of a server.
 
+use crate::watcher::RequestWatcher;
 use articula::OpenOptions;
 use articula::item::PackageOptions;
 use std::time::Duration;
@@ -31,6 +32,8 @@ pub struct ServeOptions {
     pub most_sessions: usize,
     /// Most bytes of objects that are kept in memory.
     pub most_recent_bytes: u64,
+    /// Who is told of every request.
+    pub watcher: Option<RequestWatcher>,
     /// Number of characters that are packaged at once.
     pub packaging: usize,
     /// How characters are opened.
@@ -57,6 +60,7 @@ impl Default for ServeOptions {
             most_requests: 512,
             most_sessions: 2048,
             most_recent_bytes: 256 << 20,
+            watcher: None,
             packaging: 2,
             open: OpenOptions::default(),
             package: PackageOptions::default(),

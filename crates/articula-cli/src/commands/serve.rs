@@ -1,11 +1,15 @@
 //! `articula serve DIR`: serves the characters of a folder over HTTP.
 
+use crate::arguments::number;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_serve::{Catalogue, Preparation, Progress, ServeOptions};
-use clap::Args;
+use articula_serve::{
+    AnsweredRequest, Catalogue, Preparation, Progress, RequestWatcher, ServeOptions,
+};
+use clap::{Args, ValueEnum};
 use serde::Serialize;
+use std::io::Write;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -21,9 +25,52 @@ pub(crate) struct ServeArgs {
     /// Write nothing and take nothing: serve what is packaged
     #[arg(long)]
     read_only: bool,
+    /// Send to each connection at most so many kilobits (1000 bits) per second, as a slow network does
+    #[arg(long, value_name = "KBPS", value_parser = rate)]
+    throttle_kbps: Option<f64>,
+    /// One line for each request on standard error
+    #[arg(long, value_enum, value_name = "FORM", default_value_t = Log::Off)]
+    log: Log,
     /// Take characters only from clients that send `Authorization: Bearer TOKEN`
     #[arg(long, value_name = "TOKEN")]
     token: Option<String>,
+}
+
+/// Form of the lines about requests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Log {
+    /// A JSON object: method, path, status, bytes, ms
+    Json,
+    /// The same as words
+    Text,
+    /// None
+    Off,
+}
+
+impl Log {
+    /// Writes the lines; nothing without.
+    fn watcher(self) -> Option<RequestWatcher> {
+        let line: fn(&AnsweredRequest) -> String = match self {
+            // Texts and numbers cannot fail.
+            Self::Json => |of| serde_json::to_string(of).unwrap_or_default(),
+            Self::Text => |of| {
+                let AnsweredRequest {
+                    method,
+                    path,
+                    status,
+                    bytes,
+                    ms,
+                } = of;
+                let bytes = bytes.map_or("-".to_owned(), |bytes| bytes.to_string());
+                format!("{method} {path} {status} {bytes} {ms:.1}")
+            },
+            Self::Off => return None,
+        };
+        Some(RequestWatcher::new(move |request| {
+            // Who reads no more of it is no reason to end.
+            let _ = writeln!(std::io::stderr(), "{}", line(request));
+        }))
+    }
 }
 
 /// What is served.
@@ -53,6 +100,8 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
     let options = ServeOptions {
         read_only: args.read_only,
         token: args.token.clone(),
+        throttle_bps: args.throttle_kbps.map(|kbps| 1e3 * kbps),
+        watcher: args.log.watcher(),
         ..ServeOptions::default()
     };
     let catalogue = Catalogue::open(&args.folder, &options)?;
@@ -86,6 +135,11 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
     });
     preparation.stop();
     served
+}
+
+/// Parses a rate in kilobits per second.
+fn rate(text: &str) -> Result<f64, String> {
+    number(text, |kbps| kbps >= 1.0, "a number from 1 on")
 }
 
 /// Ends when the program is asked to end.

@@ -3,7 +3,9 @@
 use crate::client::{Answer, Server, options};
 use crate::{judges, real};
 use articula::formats::Limits;
-use articula::item::{AdaptOptions, AdaptedItem, Item, Manifest, adapt, decide};
+use articula::item::{
+    AdaptOptions, AdaptedItem, Item, ItemLayer, Manifest, MeshLevelEntry, adapt, decide,
+};
 use articula::stream::description::Context;
 use articula::{CharacterFile, OpenOptions, open};
 
@@ -57,26 +59,6 @@ fn refused(answer: &Answer, status: u16) -> String {
     answer.json()["error"].as_str().unwrap().to_owned()
 }
 
-/// The whole character, for which two clients ask at the same time: they get one file, which is made once.
-fn asked_twice(server: &Server) -> Answer {
-    let whole = std::thread::scope(|scope| {
-        let both = [(); 2].map(|()| scope.spawn(|| server.get("/v1/characters/man.glb", &[])));
-        let [first, second] = both.map(|thread| thread.join().unwrap());
-        assert_eq!((first.status, &first.body), (200, &second.body));
-        first
-    });
-    assert_eq!(counter(server, "articula_made_total"), 1);
-    let again = server.get(
-        "/v1/characters/man.glb",
-        &[("If-None-Match", whole.header("etag"))],
-    );
-    assert_eq!(
-        (again.status, again.header("etag")),
-        (304, whole.header("etag"))
-    );
-    whole
-}
-
 #[test]
 fn a_character_is_one_glb_of_what_a_query_asks_for() {
     let (Some(man), Some(head)) = (
@@ -93,75 +75,102 @@ fn a_character_is_one_glb_of_what_a_query_asks_for() {
     let server = Server::start(folder.path(), &options);
     let manifest = ready(&server, "man");
     ready(&server, "head");
-    let answers = std::cell::RefCell::new(Vec::new());
-    let glb = |query: &str| {
-        let answer = server.get(&format!("/v1/characters/{query}"), &[]);
-        assert_eq!(answer.status, 200, "{query}: {answer:?}");
-        assert_eq!(answer.header("content-type"), "model/gltf-binary");
-        let file = opened(&answer.body);
-        answers.borrow_mut().push(answer.body);
-        file
-    };
+    let mut made = Files(&server, Vec::new());
 
-    let whole = asked_twice(&server);
-    let levels = &manifest
-        .parts
-        .iter()
-        .find(|p| !p.levels.is_empty())
-        .unwrap()
-        .levels;
-    let whole = opened(&whole.body);
-    assert_eq!(triangles(&whole) as u64, levels[0].triangles);
-    assert_eq!(whole.character().clips.len(), 1);
-
-    let low = glb("man.glb?lod=2");
-    let coarsest = levels.last().unwrap();
-    assert!(coarsest.level > 0 && triangles(&low) as u64 == coarsest.triangles);
+    // Two clients that ask at the same time get one file, which is made once.
+    let whole = std::thread::scope(|scope| {
+        let both = [(); 2].map(|()| scope.spawn(|| server.get("/v1/characters/man.glb", &[])));
+        let [first, second] = both.map(|thread| thread.join().unwrap());
+        assert_eq!((first.status, &first.body), (200, &second.body));
+        first
+    });
+    assert_eq!(counter(&server, "articula_made_total"), 1);
+    let again = server.get(
+        "/v1/characters/man.glb",
+        &[("If-None-Match", whole.header("etag"))],
+    );
     assert_eq!(
-        triangles(&glb("man.glb?mesh=1")) as u64,
-        levels[1].triangles
+        (again.status, again.header("etag")),
+        (304, whole.header("etag"))
     );
-    assert!(glb("man.glb?clip=none").character().clips.is_empty());
-    let name = &whole.character().clips[0].name;
-    let few = glb(&format!(
-        "man.glb?clip={name}&loa=0&lod=0&textureSizeLimit=256"
-    ));
-    assert_eq!(triangles(&few), triangles(&whole));
-    assert!(
-        moved(&few) < moved(&whole),
-        "{} {}",
-        moved(&few),
-        moved(&whole)
-    );
-    let side = |glb: &CharacterFile| {
-        let pictures = &glb.gltf().unwrap().document;
-        pictures.json["images"].as_array().map_or(0, Vec::len)
-    };
-    assert_eq!(side(&few), side(&whole));
-
-    let all = glb("head.glb");
-    let names = morphs(&all);
-    assert!(names.contains(&"jawOpen") && names.len() > 10, "{names:?}");
-    let two = glb("head.glb?morphTargets=eyeBlink_L,jawOpen");
-    assert_eq!(morphs(&two).len(), 2);
-    assert!(morphs(&two).contains(&"eyeBlink_L"));
-    let none = glb("head.glb?morphTargets=none");
-    assert!(morphs(&none).is_empty() && triangles(&none) == triangles(&all));
-    let arkit = glb("head.glb?morphTargets=ARKit");
-    assert!(
-        morphs(&arkit).contains(&"eyeBlink_L"),
-        "under another spelling"
-    );
+    let whole = opened(&whole.body);
+    levels_and_motions(&mut made, &manifest, &whole);
+    morph_targets(&mut made);
+    valid(&made.1);
 
     cut(&server, &manifest);
-    wrong(&server, coarsest.level);
+    wrong(&server, levels(&manifest).last().unwrap().level);
     drop(server);
     options.read_only = true;
     let server = Server::start(folder.path(), &options);
     assert_eq!(server.get("/v1/characters/man.glb?lod=2", &[]).status, 200);
     let other = server.get("/v1/characters/man.glb?lod=1", &[]);
     assert!(refused(&other, 403).contains("read-only"));
-    valid(&answers.borrow());
+}
+
+/// The files that a server makes.
+struct Files<'a>(&'a Server, Vec<Vec<u8>>);
+
+impl Files<'_> {
+    fn get(&mut self, query: &str) -> CharacterFile {
+        let answer = self.0.get(&format!("/v1/characters/{query}"), &[]);
+        assert_eq!(answer.status, 200, "{query}: {answer:?}");
+        assert_eq!(answer.header("content-type"), "model/gltf-binary");
+        let file = opened(&answer.body);
+        self.1.push(answer.body);
+        file
+    }
+}
+
+fn levels(manifest: &Manifest) -> &[MeshLevelEntry] {
+    let mut parts = manifest.parts.iter();
+    &parts.find(|part| !part.levels.is_empty()).unwrap().levels
+}
+
+fn levels_and_motions(made: &mut Files<'_>, manifest: &Manifest, whole: &CharacterFile) {
+    let levels = levels(manifest);
+    let count = |file: &CharacterFile| triangles(file) as u64;
+    assert_eq!(count(whole), levels[0].triangles);
+    assert_eq!(whole.character().clips.len(), 1);
+    let low = made.get("man.glb?lod=2");
+    let coarsest = levels.last().unwrap();
+    assert!(coarsest.level > 0 && count(&low) == coarsest.triangles);
+    assert_eq!(count(&made.get("man.glb?mesh=1")), levels[1].triangles);
+    let still = made.get("man.glb?clip=none");
+    assert!(still.character().clips.is_empty());
+    let name = &whole.character().clips[0].name;
+    let few = made.get(&format!(
+        "man.glb?clip={name}&loa=0&lod=0&textureSizeLimit=256"
+    ));
+    assert!(count(&few) == count(whole) && moved(&few) < moved(whole));
+    // Its picture is the largest of the item that the limit allows.
+    let sizes = manifest.parts.iter().flat_map(|part| &part.layers);
+    let side = |layer: &&ItemLayer| layer.size_px.map_or(0, |[w, h]| w.max(h));
+    let fits = sizes.filter(|layer| (1..=256).contains(&side(layer)));
+    let picture = fits.max_by_key(side).unwrap().file.as_ref().unwrap();
+    let picture = made
+        .0
+        .get(&format!("/v1/characters/man/{picture}"), &[])
+        .body;
+    let has = |glb: &[u8]| glb.windows(picture.len()).any(|bytes| bytes == picture);
+    let glb = |which: usize| made.1.iter().nth_back(which).unwrap();
+    assert!(has(glb(0)) && !has(glb(1)));
+}
+
+fn morph_targets(made: &mut Files<'_>) {
+    let all = made.get("head.glb");
+    let names = morphs(&all);
+    assert!(names.contains(&"jawOpen") && names.len() > 10, "{names:?}");
+    let two = made.get("head.glb?morphTargets=eyeBlink_L,jawOpen");
+    assert_eq!(morphs(&two).len(), 2);
+    assert!(morphs(&two).contains(&"eyeBlink_L"));
+    let none = made.get("head.glb?morphTargets=none");
+    assert!(morphs(&none).is_empty() && triangles(&none) == triangles(&all));
+    let arkit = made.get("head.glb?morphTargets=ARKit");
+    assert!(
+        morphs(&arkit).contains(&"eyeBlink_L"),
+        "under another spelling"
+    );
 }
 
 /// Compares a cut with what `adapt` makes of the item, whose files a client has.

@@ -1,7 +1,7 @@
 //! Clients that are slow, silent or too many, and a store that fails: no harm to others.
 
 use crate::client::{Server, options};
-use articula_serve::ServeOptions;
+use articula_serve::{RequestWatcher, ServeOptions};
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -140,6 +140,26 @@ fn a_store_that_fails_is_told_and_used_again_when_it_is_mended() {
     assert_eq!(server.get("/healthz", &[]).status, 200);
     assert_eq!(put().status, 202);
     assert_eq!(server.get("/readyz", &[]).status, 200);
+}
+
+#[test]
+fn each_request_is_told_with_its_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let (tell, told) = std::sync::mpsc::channel();
+    let options = ServeOptions {
+        watcher: Some(RequestWatcher::new(move |of| {
+            tell.send(of.clone()).unwrap()
+        })),
+        ..options()
+    };
+    let server = Server::start(folder.path(), &options);
+    server.get("/v1/characters?a=b", &[]);
+    server.request("PUT", "/v1/characters/a", &[], b"BM");
+    let [list, put] = [(); 2].map(|()| told.recv().unwrap());
+    assert_eq!((&*list.method, &*list.path), ("GET", "/v1/characters?a=b"));
+    assert_eq!((list.status, list.bytes), (200, Some(2)));
+    assert_eq!((&*put.method, put.status), ("PUT", 415));
+    assert!(put.ms >= 0.0);
 }
 
 #[test]
