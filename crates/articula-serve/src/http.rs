@@ -11,7 +11,7 @@ use crate::page::{list, path_of};
 use crate::reply::{CHANGING, blocking, fault, later, stored, unknown};
 use crate::upload::upload;
 use crate::watcher::watched;
-use crate::{connections, cut, devices, glb, session};
+use crate::{connections, cut, devices, glb, openapi, session};
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path, Query, RawQuery, Request, State};
@@ -63,6 +63,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .merge(session::routes())
         .merge(cut::routes())
         .merge(devices::routes())
+        .merge(openapi::routes())
         .layer(from_fn_with_state(limited, limit))
         // These answer also when all places are taken.
         .route("/healthz", get(|| async { "ok\n" }))

@@ -23,7 +23,7 @@
 //! - `cut`, `glb`: an item that is cut, and a character as one GLB, by query
 //! - `upload`: bodies that clients send; `watcher`: what each request was
 //! - `device_store`, `devices`: results of benchmarks of devices, and their routes
-//! - `http`: routes
+//! - `http`: routes; `openapi`: the document of them
 //! - `paced`, `connections`: connections at a rate, so many at once, and how they end
 //!
 //! ```no_run
@@ -52,6 +52,7 @@ mod made;
 mod making;
 mod metrics;
 mod objects;
+mod openapi;
 mod options;
 mod paced;
 mod page;

@@ -10,6 +10,7 @@ mod client;
 mod devices;
 #[path = "../../../articula-cli/tests/it/judges/mod.rs"]
 mod judges;
+mod openapi;
 mod queries;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
