@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock};
-use tokio::sync::watch;
+use tokio::sync::{Semaphore, watch};
 
 /// Folder of what the server makes, in that of the characters.
 const MADE: &str = ".articula";
@@ -73,6 +73,7 @@ struct Shared {
     objects: Objects,
     records: Records,
     made: Making,
+    uploads: Semaphore,
     metrics: Metrics,
     sessions: Arc<Sessions>,
     plans: Plans,
@@ -97,6 +98,7 @@ impl Catalogue {
             objects: Objects::new(made.join("objects"), options.most_recent_bytes),
             records: Records::new(made.join("items"), options),
             made: Making::new(made.join("queries"), options.packaging),
+            uploads: Semaphore::new(options.most_uploads),
             options: options.clone(),
             metrics: Metrics::default(),
             sessions: Sessions::new(options.most_sessions),
@@ -291,6 +293,11 @@ impl Catalogue {
 
     pub(crate) fn made(&self) -> &Making {
         &self.0.made
+    }
+
+    /// Places for characters that are put.
+    pub(crate) fn uploads(&self) -> &Semaphore {
+        &self.0.uploads
     }
 
     pub(crate) fn metrics(&self) -> &Metrics {

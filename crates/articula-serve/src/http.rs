@@ -168,6 +168,10 @@ async fn put_character(
             "Authorization: Bearer TOKEN is missing or wrong",
         );
     }
+    let places = catalogue.clone();
+    let Ok(_place) = places.uploads().try_acquire() else {
+        return later("too many characters are put at once");
+    };
     let body = match upload(body, catalogue.options()).await {
         Ok(body) => body,
         Err((status, what)) => return fault(status, what),

@@ -14,6 +14,7 @@ use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 /// Why nothing is made.
 #[derive(Debug)]
@@ -26,6 +27,8 @@ pub(crate) enum NotMade {
     Query(Refusal),
     /// It was not made before, and this server writes nothing.
     ReadOnly,
+    /// As many are kept as may be.
+    Full,
     /// The store, or the item.
     Fault(ServeError),
 }
@@ -57,6 +60,11 @@ impl IntoResponse for NotMade {
             Self::ReadOnly => {
                 let what = "this was not made before, and the store is read-only";
                 fault(StatusCode::FORBIDDEN, what)
+            }
+            Self::Full => {
+                let what =
+                    "no more queries are kept; remove .articula/queries, or ask for what was made";
+                fault(StatusCode::INSUFFICIENT_STORAGE, what)
             }
             // The query was right, so what the item has wrong is not the client's fault.
             Self::Fault(ServeError::Character(error)) => {
@@ -109,6 +117,9 @@ pub(crate) async fn made(
     if catalogue.options().read_only {
         return Err(NotMade::ReadOnly);
     }
+    if catalogue.made().kept.load(Ordering::Relaxed) >= catalogue.options().most_made {
+        return Err(NotMade::Full);
+    }
     let waiting = Arc::clone(&catalogue.made().waiting).try_acquire_owned();
     let waiting = waiting.map_err(|_| NotMade::Later("too many queries are being made at once"))?;
     let catalogue = catalogue.clone();
@@ -126,6 +137,7 @@ pub(crate) async fn made(
             let object = make(&served.item(of.objects())?, of.objects())?;
             Metrics::add(&of.metrics().made, 1);
             record(&of.made().path(&key), &object)?;
+            of.made().kept.fetch_add(1, Ordering::Relaxed);
             Ok(object)
         };
         let done = tokio::task::spawn_blocking(work).await;

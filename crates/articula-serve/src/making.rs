@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicUsize;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use tokio::sync::Semaphore;
 
@@ -13,15 +14,21 @@ const MOST_WAITING: usize = 64;
 pub(crate) struct Making {
     folder: PathBuf,
     gates: Mutex<HashMap<String, Weak<tokio::sync::Mutex<()>>>>,
+    /// Number of records.
+    pub(crate) kept: AtomicUsize,
     pub(crate) waiting: Arc<Semaphore>,
     pub(crate) working: Semaphore,
 }
 
 impl Making {
     /// Records in a folder; `working` are made at once.
+    #[allow(clippy::disallowed_methods, reason = "the store is a folder")]
     pub(crate) fn new(folder: PathBuf, working: usize) -> Self {
+        // Without a folder there are none.
+        let kept = std::fs::read_dir(&folder).map_or(0, Iterator::count);
         Self {
             folder,
+            kept: AtomicUsize::new(kept),
             gates: Mutex::default(),
             waiting: Arc::new(Semaphore::new(MOST_WAITING)),
             working: Semaphore::new(working.max(1)),

@@ -14,6 +14,8 @@ pub struct ServeOptions {
     pub token: Option<String>,
     /// Most bytes of a character that is put.
     pub most_bytes: usize,
+    /// Most characters that are put at once, whose bytes are in memory; others get 503.
+    pub most_uploads: usize,
     /// Least rate of its body in bits per second, after the time of `silence`.
     pub least_upload_bps: f64,
     /// Most connections at once; others get 503 and are closed. Sessions do not count.
@@ -34,6 +36,8 @@ pub struct ServeOptions {
     pub most_recent_bytes: u64,
     /// Who is told of every request.
     pub watcher: Option<RequestWatcher>,
+    /// Most files and cuts by query that are kept; beyond, other queries get 507.
+    pub most_made: usize,
     /// Number of characters that are packaged at once.
     pub packaging: usize,
     /// How characters are opened.
@@ -43,14 +47,16 @@ pub struct ServeOptions {
 }
 
 impl Default for ServeOptions {
-    /// Characters of up to 256 MB at 128 kbit/s at least; 900 connections, 512 requests and 2048 sessions at once; 20 s for a
-    /// request, a minute for an answer, 10 s to end; 256 MB in memory; two characters packaged at once, as `articula package` does.
+    /// Characters of up to 256 MB, 8 at once, at 512 kbit/s at least; 900 connections, 512 requests and 2048 sessions at once; 20 s for a
+    /// request, a minute for an answer, 10 s to end; 256 MB in memory, 10,000 files
+    /// and cuts by query; two characters packaged at once, as `articula package` does.
     fn default() -> Self {
         Self {
             read_only: false,
             token: None,
             most_bytes: 256 << 20,
-            least_upload_bps: 128e3,
+            most_uploads: 8,
+            least_upload_bps: 512e3,
             // Most systems let a process open 1024 files.
             most_connections: 900,
             silence: Duration::from_secs(20),
@@ -61,6 +67,7 @@ impl Default for ServeOptions {
             most_sessions: 2048,
             most_recent_bytes: 256 << 20,
             watcher: None,
+            most_made: 10_000,
             packaging: 2,
             open: OpenOptions::default(),
             package: PackageOptions::default(),

@@ -106,6 +106,13 @@ fn a_character_is_one_glb_of_what_a_query_asks_for() {
     assert_eq!(server.get("/v1/characters/man.glb?lod=2", &[]).status, 200);
     let other = server.get("/v1/characters/man.glb?lod=1", &[]);
     assert!(refused(&other, 403).contains("read-only"));
+    drop(server);
+    // As many are kept as may be.
+    (options.read_only, options.most_made) = (false, 1);
+    let server = Server::start(folder.path(), &options);
+    assert_eq!(server.get("/v1/characters/man.glb?lod=2", &[]).status, 200);
+    let other = server.get("/v1/characters/man.glb?lod=1", &[]);
+    assert!(refused(&other, 507).contains("queries"));
 }
 
 /// The files that a server makes.

@@ -79,6 +79,18 @@ fn a_body_is_refused_by_its_size_whatever_its_head_says() {
 }
 
 #[test]
+fn characters_that_are_put_at_once_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ServeOptions {
+        most_uploads: 0,
+        ..options()
+    };
+    let server = Server::start(folder.path(), &options);
+    let put = server.request("PUT", "/v1/characters/a", &[], b"glTF");
+    assert_eq!((put.status, put.header("retry-after")), (503, "1"));
+}
+
+#[test]
 fn connections_beyond_the_limit_are_told_to_come_later() {
     let folder = tempfile::tempdir().unwrap();
     let options = ServeOptions {
