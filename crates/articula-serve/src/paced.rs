@@ -1,7 +1,7 @@
 //! A connection that is written to at most at a rate, and ends when its client takes nothing.
 #![allow(clippy::disallowed_methods, reason = "a rate needs a clock")]
 
-use std::io::{Error, ErrorKind, Result};
+use std::io::{Error, ErrorKind, IoSlice, Result};
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
 use std::time::Duration;
@@ -33,6 +33,27 @@ impl<S> Paced<S> {
             patience,
             stall: None,
         }
+    }
+}
+
+impl<S> Paced<S> {
+    /// Counts what was written, or the time in which nothing was.
+    fn settled(
+        &mut self,
+        written: Poll<Result<usize>>,
+        context: &mut Context<'_>,
+    ) -> Poll<Result<usize>> {
+        if let Poll::Ready(written) = written {
+            self.stall = None;
+            if let (Ok(written), Some(bucket)) = (&written, &mut self.bucket) {
+                bucket.bytes -= *written as f64;
+            }
+            return Poll::Ready(written);
+        }
+        let patience = self.patience;
+        let stall = self.stall.get_or_insert_with(|| Box::pin(sleep(patience)));
+        ready!(stall.as_mut().poll(context));
+        Poll::Ready(Err(Error::from(ErrorKind::TimedOut)))
     }
 }
 
@@ -115,21 +136,26 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for Paced<S> {
             None => bytes.len(),
         };
         let part = &bytes[..bytes.len().min(most)];
-        match Pin::new(&mut this.stream).poll_write(context, part) {
-            Poll::Ready(written) => {
-                this.stall = None;
-                if let (Ok(written), Some(bucket)) = (&written, &mut this.bucket) {
-                    bucket.bytes -= *written as f64;
-                }
-                Poll::Ready(written)
-            }
-            Poll::Pending => {
-                let patience = this.patience;
-                let stall = this.stall.get_or_insert_with(|| Box::pin(sleep(patience)));
-                ready!(stall.as_mut().poll(context));
-                Poll::Ready(Err(Error::from(ErrorKind::TimedOut)))
-            }
+        let written = Pin::new(&mut this.stream).poll_write(context, part);
+        this.settled(written, context)
+    }
+
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        parts: &[IoSlice<'_>],
+    ) -> Poll<Result<usize>> {
+        if self.bucket.is_some() {
+            let first = parts.iter().find(|part| !part.is_empty());
+            return self.poll_write(context, first.map_or(&[], |part| part));
         }
+        let written = Pin::new(&mut self.stream).poll_write_vectored(context, parts);
+        self.settled(written, context)
+    }
+
+    /// Without it, bodies would be copied behind their heads.
+    fn is_write_vectored(&self) -> bool {
+        self.stream.is_write_vectored()
     }
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Result<()>> {

@@ -59,7 +59,7 @@ pub(crate) async fn watched(
         path,
         status: response.status().as_u16(),
         bytes: response.body().size_hint().exact(),
-        ms: 1e3 * start.elapsed().as_secs_f64(),
+        ms: start.elapsed().as_micros() as f64 / 1e3,
     });
     response
 }

@@ -155,6 +155,27 @@ fn a_store_that_fails_is_told_and_used_again_when_it_is_mended() {
 }
 
 #[test]
+fn a_client_that_takes_nothing_of_an_answer_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ServeOptions {
+        patience: Duration::from_millis(100),
+        most_connections: 1,
+        packaging: 0,
+        ..options()
+    };
+    let server = Server::start(folder.path(), &options);
+    // More than the buffers of a connection hold, as one answer after the other.
+    let mut deaf = TcpStream::connect(server.at).unwrap();
+    deaf.set_write_timeout(Some(Duration::from_secs(20)))
+        .unwrap();
+    let asked = b"GET /openapi.json HTTP/1.1\r\nHost: a\r\n\r\n".repeat(100);
+    while deaf.write_all(&asked).is_ok() {}
+    // Its place is free again.
+    let other = b"GET /healthz HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n";
+    while !said(&server, other).starts_with("HTTP/1.1 200") {}
+}
+
+#[test]
 fn each_request_is_told_with_its_answer() {
     let folder = tempfile::tempdir().unwrap();
     let (tell, told) = std::sync::mpsc::channel();
