@@ -113,7 +113,10 @@ impl WantedGlb {
         let glb = self.written(item, open)?;
         let name = ObjectName::of(&glb);
         objects.put(&name, Coding::Identity, &glb)?;
-        if let Some(short) = compressed("figure.glb", &glb) {
+        // Another query may have made the same.
+        if objects.get(&name, Coding::Brotli)?.is_none()
+            && let Some(short) = compressed("figure.glb", &glb)
+        {
             objects.put(&name, Coding::Brotli, &short)?;
         }
         Ok(name)

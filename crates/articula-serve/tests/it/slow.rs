@@ -49,6 +49,21 @@ fn clients_that_say_nothing_more_are_left() {
 }
 
 #[test]
+fn who_waits_for_an_answer_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ServeOptions {
+        packaging: 0,
+        ..impatient()
+    };
+    let server = Server::start(folder.path(), &options);
+    let put = server.request("PUT", "/v1/characters/a", &[], b"glTF");
+    assert_eq!(put.status, 202);
+    // Longer than a silent client is kept.
+    let waited = server.get("/v1/characters/a/manifest.json?wait=0.4", &[]);
+    assert_eq!((waited.status, waited.header("retry-after")), (503, "1"));
+}
+
+#[test]
 fn a_body_is_refused_by_its_size_whatever_its_head_says() {
     let folder = tempfile::tempdir().unwrap();
     let options = ServeOptions {
