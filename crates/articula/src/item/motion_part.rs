@@ -19,6 +19,8 @@ pub(super) struct CodedMotion {
     clip: usize,
     file: String,
     stream: Cut,
+    /// Errors that were measured with the base, by the bytes of the cut.
+    known: BTreeMap<Vec<u8>, MotionError>,
 }
 
 impl CodedMotion {
@@ -29,7 +31,12 @@ impl CodedMotion {
         (stem, options): (&str, &MotionOptions),
     ) -> Result<Self> {
         let opened = &figure.opened;
-        let made = write(opened.character(), &opened.articulation(), clip, options)?;
+        let options = MotionOptions {
+            // Those of its layers are measured.
+            errors: false,
+            ..options.clone()
+        };
+        let made = write(opened.character(), &opened.articulation(), clip, &options)?;
         Ok(Self {
             clip,
             file: format!("clips/{stem}.abp"),
@@ -37,6 +44,7 @@ impl CodedMotion {
                 bytes: made.bytes,
                 unit: made.unit,
             },
+            known: BTreeMap::new(),
         })
     }
 
@@ -59,12 +67,14 @@ impl CodedMotion {
             regions: regions(&head),
             face_levels: face_levels(&head),
         };
-        cuts.part(figure, (self.clip, &self.file, self.stream), files, work)
+        let mut known = self.known;
+        let coded = (self.clip, &*self.file, self.stream);
+        cuts.part(figure, coded, &mut known, files, work)
     }
 
     /// Adds the coarsest tier of the stream alone, with the errors of each level.
     pub(super) fn base(
-        &self,
+        &mut self,
         figure: &Figure,
         files: &mut NewFiles,
         work: &Executor<'_>,
@@ -79,7 +89,8 @@ impl CodedMotion {
             regions: BTreeSet::new(),
             face_levels: Vec::new(),
         };
-        cuts.part(figure, (self.clip, &self.file, stream), files, work)
+        let coded = (self.clip, &*self.file, stream);
+        cuts.part(figure, coded, &mut self.known, files, work)
     }
 }
 
@@ -94,11 +105,12 @@ struct Cuts {
 }
 
 impl Cuts {
-    /// Measures the cuts of a clip's stream and adds it under a name.
+    /// Measures the cuts of a clip's stream that are not known yet, and adds it under a name.
     fn part(
         self,
         figure: &Figure,
         (clip, file, coded): (usize, &str, Cut),
+        known: &mut BTreeMap<Vec<u8>, MotionError>,
         files: &mut NewFiles,
         work: &Executor<'_>,
     ) -> Result<ItemPart> {
@@ -126,8 +138,14 @@ impl Cuts {
         }
         let (rig, name) = (&figure.asset.rig, figure.opened.name());
         let decoded = |bytes: &Vec<u8>| decode(bytes, rig, name, &Limits::default());
-        let clips: Vec<Clip> = cuts.iter().map(decoded).collect::<Result<_>>()?;
+        let new: Vec<&Vec<u8>> = cuts
+            .iter()
+            .filter(|cut| !known.contains_key(*cut))
+            .collect();
+        let clips: Vec<Clip> = new.iter().map(|cut| decoded(cut)).collect::<Result<_>>()?;
         let (errors, frames) = measured(&figure.asset, truth, &clips, work)?;
+        known.extend(new.into_iter().cloned().zip(errors));
+        let errors: Vec<MotionError> = cuts.iter().map(|cut| known[cut]).collect();
         let (of_grid, without) = errors[1..].split_at(grid.len());
         let (of_regions, of_faces) = without.split_at(self.regions.len());
 

@@ -86,10 +86,10 @@ fn packaged(
     let figure = &source.figure;
     let mut stages = Stages::new(on_stage);
     let mut motions = Motions::new(figure, &source.clips, options);
-    let first = motions.next()?;
+    let mut first = motions.next()?;
     let mut draft = Draft::new(source.title.clone(), figure, &source.stripped)?;
     if stages.are_wanted() {
-        stages.begin(source.base(draft.clone(), first.as_ref(), options, work)?)?;
+        stages.begin(source.base(draft.clone(), first.as_mut(), options, work)?)?;
     }
 
     let stripped = &source.stripped;
@@ -187,7 +187,7 @@ impl Source {
     fn base(
         &self,
         mut draft: Draft,
-        first: Option<&CodedMotion>,
+        first: Option<&mut CodedMotion>,
         options: &PackageOptions,
         work: &Executor<'_>,
     ) -> Result<Draft> {

@@ -6,6 +6,7 @@
 //!
 //! - `truth`: local values at every frame
 //! - `skin_points`: points of the skin, and the error of a motion there
+//! - `near_points`: bounds of the errors of points that lie near each other
 //! - `levers`: how far each track moves each point, and the shares of the tolerance
 //! - `plan`: which tracks move, and around which values
 //! - `quantise`: levels at given steps, and what a decoder shows of them
@@ -16,6 +17,7 @@
 
 mod alone;
 mod levers;
+mod near_points;
 mod plan;
 mod quantise;
 mod search;
@@ -41,10 +43,11 @@ use crate::limits::StreamLimits;
 use crate::unit::Unit;
 use articula_core::{Clip, Mesh, Mismatch, Rig};
 use levers::Rest;
+use near_points::NearPoints;
 use quantise::{Coding, Levels};
 use search::{Judge, Shares, finest, tiers};
 use skin_points::{SkinPoints, offsets_by_vertex};
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use truth::Truth;
 use units::UnitCoder;
 use value_order::Prefixes;
@@ -73,6 +76,9 @@ pub struct MotionOptions {
     pub rig_hash: u64,
     /// Order of the units of an access unit.
     pub order: UnitOrder,
+    /// Whether the errors of the tiers are measured ([`EncodedMotion::errors`]); those of faces are
+    /// anyway. The stream is the same.
+    pub errors: bool,
     /// Whether the error after each unit is measured.
     pub manifest: bool,
     /// Whether the skeleton is carried ([`CarriedSkeleton`](super::CarriedSkeleton)), so that the stream
@@ -118,6 +124,7 @@ impl Default for MotionOptions {
             morph_groups: Vec::new(),
             rig_hash: 0,
             order: UnitOrder::Tier,
+            errors: true,
             manifest: false,
             skeleton: false,
         }
@@ -131,7 +138,7 @@ pub struct EncodedMotion {
     pub bytes: Vec<u8>,
     /// Map of the bytes.
     pub unit: Unit,
-    /// Error of the stream cut to each tier, the finest first.
+    /// Error of the stream cut to each tier, the finest first, if it was asked for.
     pub errors: Vec<SkinError>,
     /// What each prefix of whole units shows, if it was asked for.
     pub manifest: Vec<ManifestRow>,
@@ -228,6 +235,9 @@ fn encode_with(
         all: &all,
         shown: points.shown(rig, &truth),
         all_shown: OnceCell::new(),
+        near: NearPoints::of(&all),
+        states_errors: options.errors,
+        worst_frame: Cell::new(0),
         some: points,
     };
     let tolerance = head.tolerance_metres(0);
@@ -236,14 +246,17 @@ fn encode_with(
         let shown = points.shown(rig, &truth);
         (points, shown)
     };
-    let (mut levels, shown, error) = match head.face {
-        Some(_) => alone::finest(&coding, tolerance, &judge)?,
-        None => finest(&coding, &shares.fine, tolerance, &mut judge, refine)?,
-    };
-    let found = (&shown, error);
-    let errors = match head.face {
-        Some(_) => alone::tiers(&coding, &mut levels, found, &judge, tolerance),
-        None => tiers(&coding, &mut levels, found, &shares, &judge, tolerance),
+    let (levels, errors) = match head.face {
+        Some(_) => {
+            let (mut levels, shown, error) = alone::finest(&coding, tolerance, &judge)?;
+            let errors = alone::tiers(&coding, &mut levels, (&shown, error), &judge, tolerance);
+            (levels, errors)
+        }
+        None => {
+            let (mut levels, shown) = finest(&coding, &shares.fine, tolerance, &mut judge, refine)?;
+            let errors = tiers(&coding, &mut levels, &shown, &shares, &judge, tolerance);
+            (levels, errors)
+        }
     };
     let (bytes, manifest) = write(&coding, &levels, &judge, options)?;
     let limits = StreamLimits::default();
@@ -251,7 +264,8 @@ fn encode_with(
         Some(_) => MotionReceiver::of_face(rig, &limits),
         None => MotionReceiver::new(rig, &limits),
     };
-    checked(&bytes, receiver, mesh, &judge, error)?;
+    let expected = errors.first().map_or(tolerance, |error| error.max_metres);
+    checked(&bytes, receiver, mesh, &judge, expected)?;
     Ok(EncodedMotion {
         unit: motion_map(&bytes, &limits)
             .map_err(|e| Mismatch::new("the stream", e.to_string()))?,
@@ -442,15 +456,15 @@ fn checked(
     mut receiver: MotionReceiver,
     mesh: &Mesh,
     judge: &Judge<'_>,
-    expected: SkinError,
+    expected: f64,
 ) -> Result<(), Mismatch> {
     let wrong = |what: String| Mismatch::new("the coded stream", what);
     receiver.receive(bytes).map_err(|e| wrong(e.to_string()))?;
     let shown = Truth::new(judge.rig, mesh, &receiver.clip()?);
     let error = judge.quick().error(&shown);
-    if error.max_metres > expected.max_metres * 1.001 + 1e-7 {
+    if error.max_metres > expected * 1.001 + 1e-7 {
         return Err(wrong(format!(
-            "decodes to {error:?}, expected {expected:?}"
+            "decodes to {error:?}, expected {expected} m"
         )));
     }
     Ok(())

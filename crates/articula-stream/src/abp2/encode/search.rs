@@ -3,14 +3,15 @@
 //! Form: `docs/methods/motion-stream.md`, parts 5 and 6.
 
 use super::levers::{Mover, Rest, levers, shares};
+use super::near_points::NearPoints;
 use super::plan::PlannedTrack;
 use super::quantise::{Coding, Levels};
-use super::skin_points::{Measure, SkinError, SkinPoints, Sums};
+use super::skin_points::{Measure, SkinError, SkinPoints};
 use super::truth::Truth;
 use crate::abp2::pose_unit::{MOST_PLANES, MOST_TIERS, TrackForm};
 use articula_core::{Mismatch, Rig};
 use glam::Vec3;
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 
 /// Halvings of the interval of a factor.
 const HALVINGS: usize = 9;
@@ -20,6 +21,8 @@ const FACTORS: [f64; 2] = [0.05, 8.0];
 const TIER_FACTORS: [f64; 2] = [0.02, 4.0];
 /// Most places of points that are kept, 192 MB.
 const MOST_PLACES: usize = 1 << 24;
+/// Frames that are measured at a time, until one is beyond a limit.
+const FRAMES: usize = 16;
 /// Rounds in which the worst vertices join the points of the search.
 const ROUNDS: usize = 3;
 /// What a factor falls by where the points of the search miss the worst vertex.
@@ -98,6 +101,12 @@ pub(super) struct Judge<'a> {
     pub(super) shown: Vec<Vec3>,
     /// The true places of all points, frame by frame, once they were measured; empty if they are too many.
     pub(super) all_shown: OnceCell<Vec<Vec3>>,
+    /// All points by their neighbours.
+    pub(super) near: NearPoints,
+    /// Whether the errors of tiers are measured at all points.
+    pub(super) states_errors: bool,
+    /// The first of the frames in which a motion was beyond its limit.
+    pub(super) worst_frame: Cell<usize>,
 }
 
 impl Judge<'_> {
@@ -111,37 +120,57 @@ impl Judge<'_> {
         }
     }
 
-    /// Error at all points, and those that are beyond `limit` and the worst of a frame.
-    pub(super) fn whole(&self, motion: &Truth, limit: f64) -> (SkinError, Vec<usize>) {
-        let shown =
-            self.all_shown
-                .get_or_init(|| match self.all.len().saturating_mul(self.truth.frames) {
-                    0..=MOST_PLACES => self.all.shown(self.rig, self.truth),
-                    _ => Vec::new(),
-                });
+    /// Whether no point of the search is farther than `limit` from its place.
+    fn seems_within(&self, motion: &Truth, limit: f64) -> bool {
+        let measure = self.quick();
+        let some = |start: usize| start..self.truth.frames.min(start + FRAMES);
+        let is_within = |start| measure.error_in(motion, some(start)).max_metres <= limit;
+        // Where the last motion was beyond its limit, this one is too if it is anywhere, as a rule.
+        let starts = (0..self.truth.frames).step_by(FRAMES);
+        let first = starts
+            .clone()
+            .find(|start| *start == self.worst_frame.get());
+        let mut starts = first.into_iter().chain(starts);
+        match starts.find(|start| !is_within(*start)) {
+            Some(start) => {
+                self.worst_frame.set(start);
+                false
+            }
+            None => true,
+        }
+    }
+
+    /// The farthest point of each frame in which one of all points is farther than `limit` from its place.
+    fn beyond(&self, motion: &Truth, limit: f64) -> impl Iterator<Item = usize> {
+        let (mut right, mut found) = (self.all.posed(self.rig), self.all.posed(self.rig));
+        (0..self.truth.frames).filter_map(move |frame| {
+            self.truth.pose(frame, &mut right.local);
+            motion.pose(frame, &mut found.local);
+            self.all.turn(self.rig, &mut right);
+            self.all.turn(self.rig, &mut found);
+            let right = (&right, self.truth.weights(frame));
+            let found = (&found, motion.weights(frame));
+            self.near.farthest(self.all, right, found, limit)
+        })
+    }
+
+    /// Error at all points; `None` if it is not asked for.
+    fn stated(&self, motion: &Truth) -> Option<SkinError> {
+        if !self.states_errors {
+            return None;
+        }
+        let places = self.all.len().saturating_mul(self.truth.frames);
+        let shown = self.all_shown.get_or_init(|| match places {
+            0..=MOST_PLACES => self.all.shown(self.rig, self.truth),
+            _ => Vec::new(),
+        });
         let measure = Measure {
             rig: self.rig,
             points: self.all,
             truth: self.truth,
             shown: (!shown.is_empty()).then_some(shown),
         };
-        let mut sums = Sums::default();
-        let mut worst = Vec::new();
-        for frame in 0..self.truth.frames {
-            let mut farthest = (0, limit);
-            measure.distances(motion, frame..frame + 1, |point, distance| {
-                sums.add(distance);
-                if distance > farthest.1 {
-                    farthest = (point, distance);
-                }
-            });
-            if farthest.1 > limit {
-                worst.push(farthest.0);
-            }
-        }
-        worst.sort_unstable();
-        worst.dedup();
-        (sums.error(), worst)
+        Some(measure.error(motion))
     }
 }
 
@@ -153,7 +182,7 @@ pub(super) fn finest<'a>(
     tolerance: f64,
     judge: &mut Judge<'a>,
     refine: impl Fn(&[usize]) -> (SkinPoints, Vec<Vec3>),
-) -> Result<(Levels, Truth, SkinError), Mismatch> {
+) -> Result<(Levels, Truth), Mismatch> {
     let quantise = |factor: f64| {
         let steps: Vec<f64> = shares
             .iter()
@@ -168,7 +197,7 @@ pub(super) fn finest<'a>(
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
             let (_, shown) = quantise(middle.exp())?;
-            if judge.quick().error(&shown).max_metres <= tolerance {
+            if judge.seems_within(&shown, tolerance) {
                 low = middle;
             } else {
                 high = middle;
@@ -176,9 +205,9 @@ pub(super) fn finest<'a>(
         }
         factor = low.exp();
         let (levels, shown) = quantise(factor)?;
-        let (error, worst) = judge.whole(&shown, tolerance);
-        if error.max_metres <= tolerance {
-            return Ok((levels, shown, error));
+        let worst: Vec<usize> = judge.beyond(&shown, tolerance).collect();
+        if worst.is_empty() {
+            return Ok((levels, shown));
         }
         if round + 1 < ROUNDS {
             added.extend(worst);
@@ -189,9 +218,8 @@ pub(super) fn finest<'a>(
     for _ in 0..600 {
         factor *= BACK;
         let (levels, shown) = quantise(factor)?;
-        let (error, _) = judge.whole(&shown, tolerance);
-        if error.max_metres <= tolerance {
-            return Ok((levels, shown, error));
+        if judge.beyond(&shown, tolerance).next().is_none() {
+            return Ok((levels, shown));
         }
     }
     let what = format!("cannot be coded within {tolerance} m; give a greater tolerance");
@@ -199,17 +227,16 @@ pub(super) fn finest<'a>(
 }
 
 /// Searches the planes that each tier drops, and writes them into the tracks. Returns the error of
-/// each tier.
+/// each tier, if it is asked for.
 pub(super) fn tiers(
     coding: &Coding<'_>,
     levels: &mut Levels,
-    finest: (&Truth, SkinError),
+    start: &Truth,
     shares: &Shares,
     judge: &Judge<'_>,
     tolerance: f64,
 ) -> Vec<SkinError> {
-    let (start, error) = finest;
-    let mut errors = vec![error];
+    let mut errors: Vec<SkinError> = judge.stated(start).into_iter().collect();
     let mut above = vec![0_u8; levels.tracks.len()];
     for tier in 1..coding.head.tiers {
         let limit = tolerance * 3_f64.powi(tier as i32);
@@ -228,20 +255,22 @@ pub(super) fn tiers(
             let middle = (low + high) / 2.0;
             let dropped = planes(middle.exp());
             let shown = coding.shown(levels, &dropped, start);
-            if judge.quick().error(&shown).max_metres <= limit {
+            if judge.seems_within(&shown, limit) {
                 (low, best) = (middle, dropped);
             } else {
                 high = middle;
             }
         }
         let mut factor = low.exp();
-        let mut error = judge.whole(&coding.shown(levels, &best, start), limit).0;
-        while error.max_metres > limit && best != above {
+        let mut shown = coding.shown(levels, &best, start);
+        let mut is_within = judge.beyond(&shown, limit).next().is_none();
+        while !is_within && best != above {
             factor *= 0.9;
             let dropped = planes(factor);
             if dropped != best {
                 best = dropped;
-                error = judge.whole(&coding.shown(levels, &best, start), limit).0;
+                shown = coding.shown(levels, &best, start);
+                is_within = judge.beyond(&shown, limit).next().is_none();
             }
         }
         for (track, dropped) in levels.tracks.iter_mut().zip(&best) {
@@ -249,7 +278,7 @@ pub(super) fn tiers(
                 planes[tier..MOST_TIERS.min(coding.head.tiers)].fill(*dropped);
             }
         }
-        errors.push(error);
+        errors.extend(judge.stated(&shown));
         above = best;
     }
     errors

@@ -31,7 +31,7 @@ struct Point {
 pub(super) struct Posed {
     pub(super) local: LocalPose,
     pub(super) model: ModelPose,
-    palette: Vec<Affine3A>,
+    pub(super) palette: Vec<Affine3A>,
     pub(super) points: Vec<Vec3>,
 }
 
@@ -113,10 +113,8 @@ impl SkinPoints {
 
     /// The joints that a point follows, with their weights.
     pub(super) fn joints(&self, point: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
-        let influences = &self.influences[self.points[point].influences.clone()];
-        influences
-            .iter()
-            .map(|(b, w)| (self.bindings[usize::from(*b)].0, *w))
+        let influences = self.influences(point).iter();
+        influences.map(|(b, w)| (self.bindings[usize::from(*b)].0, *w))
     }
 
     /// The morph targets that move a point, with their offsets.
@@ -136,22 +134,43 @@ impl SkinPoints {
 
     /// Skins the points by the local pose in `posed`.
     pub(super) fn skin(&self, rig: &Rig, weights: &[f32], posed: &mut Posed) {
+        self.turn(rig, posed);
+        for point in 0..self.points.len() {
+            posed.points[point] = self.skinned(point, weights, &posed.palette);
+        }
+    }
+
+    /// Sets the matrices of the bindings by the local pose in `posed`.
+    pub(super) fn turn(&self, rig: &Rig, posed: &mut Posed) {
         local_to_model(rig, &posed.local, &mut posed.model);
         for (matrix, (joint, inverse)) in posed.palette.iter_mut().zip(&self.bindings) {
             *matrix = posed.model.matrices[*joint] * *inverse;
         }
-        for (out, point) in posed.points.iter_mut().zip(&self.points) {
-            let offsets = self.offsets[point.offsets.clone()].iter();
-            let moved = offsets.fold(point.position, |p, (slot, offset)| {
-                p + *offset * weights[usize::from(*slot)]
-            });
-            let moved = Vec3A::from(moved);
-            let mut sum = Vec3A::ZERO;
-            for (binding, weight) in &self.influences[point.influences.clone()] {
-                sum += posed.palette[usize::from(*binding)].transform_point3a(moved) * *weight;
-            }
-            *out = sum.into();
+    }
+
+    /// One point, by the matrices of the bindings.
+    pub(super) fn skinned(&self, point: usize, weights: &[f32], palette: &[Affine3A]) -> Vec3 {
+        let point = &self.points[point];
+        let offsets = self.offsets[point.offsets.clone()].iter();
+        let moved = offsets.fold(point.position, |p, (slot, offset)| {
+            p + *offset * weights[usize::from(*slot)]
+        });
+        let moved = Vec3A::from(moved);
+        let mut sum = Vec3A::ZERO;
+        for (binding, weight) in &self.influences[point.influences.clone()] {
+            sum += palette[usize::from(*binding)].transform_point3a(moved) * *weight;
         }
+        sum.into()
+    }
+
+    /// A point at rest.
+    pub(super) fn position(&self, point: usize) -> Vec3 {
+        self.points[point].position
+    }
+
+    /// The bindings that a point follows, with their weights.
+    pub(super) fn influences(&self, point: usize) -> &[(u16, f32)] {
+        &self.influences[self.points[point].influences.clone()]
     }
 
     /// Skins the points at all frames, frame by frame.
