@@ -30,7 +30,7 @@ struct Block {
     bindings: Vec<u16>,
     /// The greatest sum of the weights of a point.
     weight: f32,
-    /// Whether morph targets move some of them, which no bound counts.
+    /// Whether morph targets can move some of them, which no bound counts.
     has_offsets: bool,
 }
 
@@ -85,11 +85,14 @@ impl NearPoints {
     ) -> Option<usize> {
         let pairs = right.palette.iter().zip(&found.palette);
         let apart: Vec<Apart> = pairs.map(|(a, b)| Apart::of(a, b)).collect();
+        // Morph targets whose weights are zero move nothing.
+        let mut weights = right_weights.iter().chain(found_weights);
+        let is_plain = weights.all(|weight| *weight == 0.0);
         let mut farthest = None;
         let mut most = limit;
         for block in &self.blocks {
             let rounding = block.rounding(&apart);
-            let is_bounded = !block.has_offsets;
+            let is_bounded = is_plain || !block.has_offsets;
             if is_bounded && f64::from(block.bound(&apart) + rounding) <= most {
                 continue;
             }
@@ -245,11 +248,17 @@ mod tests {
 
     #[test]
     fn bounds_miss_no_point() {
+        for weight in [0.0, 0.5] {
+            check(weight);
+        }
+    }
+
+    fn check(weight: f32) {
         let (rig, mesh) = (rig(), tube());
         let points =
             SkinPoints::of_vertices(&mesh, &offsets_by_vertex(&mesh), 0..mesh.positions.len());
         let near = NearPoints::of(&points);
-        let weights = &mesh.morph_weights[..];
+        let weights = &[weight][..];
         let mut dice = Dice::new(7);
         let mut turned = |most: f32| {
             let mut posed = points.posed(&rig);
