@@ -84,6 +84,7 @@ impl DrawnFigure {
         let (rig, mesh) = (&self.figure.asset.rig, &self.figure.asset.mesh);
         let level = usize::from(grade.loa).min(self.clips.len() - 1);
         let clip = &self.figure.asset.clips[self.clips[level]];
+        self.pose.copy_from(rig.rest_pose());
         self.morphs.copy_from_slice(&mesh.morph_weights);
         sample(clip, secs, Wrap::Loop, &self.joints[level], &mut self.pose);
         sample_morphs(clip, secs, Wrap::Loop, &mut self.morphs);

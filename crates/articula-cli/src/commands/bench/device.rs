@@ -130,10 +130,12 @@ pub(crate) fn run(args: &DeviceArgs, console: &Console) -> anyhow::Result<()> {
     let pool = pool.build().context("threads")?;
     let guess = hardware::first_guess(args.threads);
     let mut report = BenchReport::new(hardware::description(args.backend(), args.threads));
-    let character = match &args.file {
+    let mut character = match &args.file {
         Some(path) => open::character(&console.files, path, &ReadArgs::default())?,
         None => reference_human()?,
     };
+    // What travels would leave the picture.
+    character.put_in_place();
     for application in args.applications() {
         let figure = Figure::new(character.clone())?;
         let played = pool.install(|| play(application, figure, (args, &guess), console))?;
