@@ -25,6 +25,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Instant;
 use tables::crowd_scene;
+use tables::devices;
 use tables::flat;
 use tables::impostors;
 use tables::merged_levels::Sheets;
@@ -92,6 +93,8 @@ enum Table {
     Adaptation,
     /// A server under load: many sessions and their latency, objects beside nginx.
     Sessions(sessions::Choice),
+    /// Frame rates on unlike devices made of this machine, and which tests predict an application.
+    Devices(devices::Builds),
     /// All tables, one after the other; names and times go to standard error.
     All,
 }
@@ -139,6 +142,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::Streams => tables::streams::write(run),
         Table::Adaptation => tables::adaptation::write(run),
         Table::Sessions(choice) => sessions::write(run, choice),
+        Table::Devices(builds) => devices::write(run, builds),
         Table::All => all(run),
     }
 }

@@ -4,6 +4,7 @@ pub(crate) mod adaptation;
 pub(crate) mod crowd;
 pub(crate) mod crowd_errors;
 pub(crate) mod crowd_scene;
+pub(crate) mod devices;
 pub(crate) mod face_bridges;
 pub(crate) mod face_levels;
 pub(crate) mod face_mesh_levels;

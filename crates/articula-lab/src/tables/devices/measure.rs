@@ -1,0 +1,185 @@
+//! Devices made of one machine, and the rates that `articula bench device` finds on each.
+
+use anyhow::{Context, Result, bail};
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
+
+/// Most seconds of frames of an application.
+const SECONDS: &str = "120";
+/// The processor that two programs share.
+const SHARED: &str = "0";
+/// Names of the emulator, the usual one first.
+const EMULATORS: [&str; 2] = ["qemu-aarch64-static", "qemu-aarch64"];
+const LINKER: &str = "aarch64-linux-gnu-gcc";
+
+/// How a device is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Making {
+    /// The program as it is, with these flags.
+    Flags(&'static [&'static str]),
+    /// On one core with another program of the same priority.
+    Shared,
+    /// The program built without optimisation.
+    Unoptimised,
+    /// The program for AArch64 under emulation.
+    Emulated,
+}
+
+/// A device made of this machine.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Device {
+    pub(super) name: &'static str,
+    pub(super) making: Making,
+}
+
+/// The devices. Instruction sets matter to crowds alone.
+pub(super) const DEVICES: [Device; 8] = [
+    device("AVX-512", Making::Flags(&["--backend", "avx512"])),
+    device("AVX2", Making::Flags(&["--backend", "avx2"])),
+    device("SSE2", Making::Flags(&["--backend", "sse2"])),
+    device("scalar", Making::Flags(&["--backend", "scalar"])),
+    device("two threads", Making::Flags(&["--threads", "2"])),
+    device("shared core", Making::Shared),
+    device("not optimised", Making::Unoptimised),
+    device("emulated AArch64", Making::Emulated),
+];
+
+const fn device(name: &'static str, making: Making) -> Device {
+    Device { name, making }
+}
+
+/// A frame rate that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rate {
+    pub(super) fps: f64,
+    pub(super) runs: usize,
+}
+
+/// What is read of a report.
+#[derive(Deserialize)]
+struct Report {
+    results: Vec<Played>,
+}
+
+#[derive(Deserialize)]
+struct Played {
+    grades: Vec<GradeRate>,
+}
+
+#[derive(Deserialize)]
+struct GradeRate {
+    grade: usize,
+    fps: f64,
+    runs: usize,
+}
+
+/// A program that runs until it is dropped.
+struct Neighbour(Child);
+
+impl Drop for Neighbour {
+    fn drop(&mut self) {
+        // It has ended already, or ends now.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The programs of the build folder.
+#[derive(Debug)]
+pub(super) struct Programs(pub(super) PathBuf);
+
+impl Programs {
+    /// The rates of some grades of an application on a device, with another character in place of the
+    /// reference human if one is given.
+    pub(super) fn rates(
+        &self,
+        device: &Device,
+        application: &str,
+        grades: &[usize],
+        character: Option<&Path>,
+    ) -> Result<Vec<Rate>> {
+        let mut words = self.words(device.making)?;
+        let neighbour = match device.making {
+            Making::Shared => Some(neighbour()?),
+            _ => None,
+        };
+        let list: Vec<String> = grades.iter().map(usize::to_string).collect();
+        words.extend(["--json", "bench", "device"].map(str::to_owned));
+        words.extend(["--application", application, "--seconds", SECONDS].map(str::to_owned));
+        words.extend(["--grades".to_owned(), list.join(",")]);
+        if let Making::Flags(flags) = device.making {
+            words.extend(flags.iter().map(|flag| (*flag).to_owned()));
+        }
+        words.extend(character.map(|path| path.display().to_string()));
+        let output = Command::new(&words[0]).args(&words[1..]).output();
+        let output = output.with_context(|| words[0].clone())?;
+        drop(neighbour);
+        if !output.status.success() {
+            bail!(
+                "{}: {}",
+                words.join(" "),
+                String::from_utf8_lossy(&output.stderr)
+            );
+        }
+        let report: Report = serde_json::from_slice(&output.stdout)?;
+        let played = report.results.first().context("no result")?;
+        let rate = |grade: &usize| {
+            let mut found = played.grades.iter();
+            let found = found.find(|rate| rate.grade == *grade);
+            let found =
+                found.with_context(|| format!("{application}: grade {grade} is too slow"))?;
+            Ok(Rate {
+                fps: found.fps,
+                runs: found.runs,
+            })
+        };
+        grades.iter().map(rate).collect()
+    }
+
+    /// The program that is called, and what it needs before its arguments.
+    fn words(&self, making: Making) -> Result<Vec<String>> {
+        let built = |folder: &str| -> Result<String> {
+            let path = self.0.join(folder).join("articula");
+            if !path.is_file() {
+                bail!("{}: not built", path.display());
+            }
+            Ok(path.display().to_string())
+        };
+        Ok(match making {
+            Making::Flags(_) => vec![built("release")?],
+            Making::Shared => vec![
+                "taskset".into(),
+                "-c".into(),
+                SHARED.into(),
+                built("release")?,
+            ],
+            Making::Unoptimised => vec![built("debug")?],
+            Making::Emulated => {
+                let program = built("aarch64-unknown-linux-gnu/release")?;
+                let runs = |name: &&str| Command::new(name).arg("--version").output().is_ok();
+                let mut names = EMULATORS.into_iter();
+                let emulator = names.find(runs).context("no qemu-aarch64")?;
+                let libraries = libraries().context("no C library of AArch64")?;
+                vec![emulator.into(), "-L".into(), libraries, program]
+            }
+        })
+    }
+}
+
+/// A program that is busy on the shared core for as long as it runs.
+fn neighbour() -> Result<Neighbour> {
+    let words = ["-c", SHARED, "sh", "-c", "while :; do :; done"];
+    let child = Command::new("taskset").args(words).spawn();
+    Ok(Neighbour(child.context("taskset")?))
+}
+
+/// The folder with the loader and the C library that the linker of AArch64 uses.
+fn libraries() -> Option<String> {
+    let named = Command::new(LINKER)
+        .arg("-print-file-name=libc.so")
+        .output();
+    let file = String::from_utf8(named.ok()?.stdout).ok()?;
+    let file = Path::new(file.trim()).canonicalize().ok()?;
+    Some(file.parent()?.parent()?.display().to_string())
+}
