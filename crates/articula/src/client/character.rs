@@ -1,6 +1,6 @@
 //! A character as far as it is here, and what is shown of it.
 
-use super::plan::CharacterPlan;
+use super::order::CharacterPlan;
 use super::report::CharacterReport;
 use crate::error::Result;
 use crate::figure::Figure;

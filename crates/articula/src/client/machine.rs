@@ -1,32 +1,24 @@
 //! The client: bytes and times in, requests and poses out.
 
 use super::character::ClientCharacter;
-use super::message::{
-    ClientMessage, HeldFiles, SESSION_VERSION, ServerMessage, SessionDecision, SessionUpdate,
-    ShownReport, WantedCharacter,
-};
+use super::message::SessionDecision;
 use super::pace::Pace;
 use super::plan::DeliveryPlan;
 use super::planner::{Increment, Planner, flat_form};
 use super::report::CharacterReport;
 use crate::error::{Context as _, Error, Result};
-use crate::item::{AdaptOptions, ItemReceiver, decompressed};
+use crate::item::{AdaptOptions, ItemReceiver};
 use crate::open::OpenOptions;
-use articula_stream::decide::{FrameTimeSwitch, ThroughputEstimator, ThroughputOptions, Transfer};
+use articula_stream::decide::{FrameTimeSwitch, ThroughputEstimator, ThroughputOptions};
 use articula_stream::description::Context;
 use std::collections::BTreeMap;
 
 /// Pause after a request that failed, seconds; twice as long after each further one, up to the longest.
-const PAUSE_SECS: f64 = 0.25;
-const LONGEST_PAUSE_SECS: f64 = 8.0;
+pub(super) const PAUSE_SECS: f64 = 0.25;
 /// Faults of the bytes of one character after which it is given up.
 const MOST_FAULTS: u32 = 8;
-/// Longest pause within one transfer of a session, seconds.
-const TRANSFER_PAUSE_SECS: f64 = 0.05;
 /// Shortest transfer that is told apart: a short body comes together with its head, at no rate at all.
-const LEAST_TRANSFER_SECS: f64 = 1e-3;
-/// Time between two updates of a session, seconds.
-const UPDATE_SECS: f64 = 1.0;
+pub(super) const LEAST_TRANSFER_SECS: f64 = 1e-3;
 /// Levels of articulation that slow frames are left with, at least.
 const MOST_ARTICULATION: usize = 6;
 
@@ -52,55 +44,9 @@ impl Default for ClientOptions {
     }
 }
 
-/// What a client asks for over HTTP (`docs/formats/delivery.md`).
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum ClientRequest {
-    /// The manifest of a character.
-    Manifest {
-        /// Name of the character.
-        name: String,
-        /// BLAKE3 of the manifest that is here: the answer may wait for another one.
-        known: Option<String>,
-    },
-    /// Bytes of an object.
-    Bytes {
-        /// Its name, the BLAKE3 of the file.
-        object: String,
-        /// Which bytes of which file of which character these are. All bytes of a file are asked for without a
-        /// range, so that they may travel compressed.
-        increment: Increment,
-    },
-}
-
-/// What came of a request.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ClientAnswer {
-    /// A manifest.
-    Manifest {
-        /// Its bytes.
-        bytes: Vec<u8>,
-        /// Whether the server has made all of the character.
-        is_whole: bool,
-    },
-    /// There is no other manifest, or none yet.
-    Unchanged {
-        /// Whether the server has made all of the character.
-        is_whole: bool,
-    },
-    /// The bytes that were asked for, not compressed.
-    Bytes {
-        /// The bytes.
-        bytes: Vec<u8>,
-        /// The transfer of the body as it was sent.
-        transfer: Transfer,
-    },
-    /// Nothing came; the request is made again after a pause.
-    Failed,
-}
-
 /// A request under way.
 #[derive(Debug)]
-enum Asked {
+pub(super) enum Asked {
     Manifest(usize),
     Increment(Increment),
 }
@@ -118,34 +64,34 @@ enum Asked {
 /// session, and what is here stays.
 #[derive(Debug)]
 pub struct Client {
-    options: ClientOptions,
-    context: Context,
-    planner: Planner,
-    characters: Vec<ClientCharacter>,
-    throughput: ThroughputEstimator,
-    pace: Pace,
-    asked: BTreeMap<u64, Asked>,
+    pub(super) options: ClientOptions,
+    pub(super) context: Context,
+    pub(super) planner: Planner,
+    pub(super) characters: Vec<ClientCharacter>,
+    pub(super) throughput: ThroughputEstimator,
+    pub(super) pace: Pace,
+    pub(super) asked: BTreeMap<u64, Asked>,
     /// Manifests that arrived while bytes of the stage before are under way.
-    stages: BTreeMap<usize, (Vec<u8>, bool)>,
-    next_id: u64,
-    resume_secs: f64,
-    pause_secs: f64,
-    faults: BTreeMap<usize, u32>,
+    pub(super) stages: BTreeMap<usize, (Vec<u8>, bool)>,
+    pub(super) next_id: u64,
+    pub(super) resume_secs: f64,
+    pub(super) pause_secs: f64,
+    pub(super) faults: BTreeMap<usize, u32>,
     /// Decides by the times of frames.
-    articulation: Option<FrameTimeSwitch>,
-    articulation_level: usize,
-    session: Session,
+    pub(super) articulation: Option<FrameTimeSwitch>,
+    pub(super) articulation_level: usize,
+    pub(super) session: Session,
 }
 
 /// State of a session.
 #[derive(Debug, Default)]
-struct Session {
+pub(super) struct Session {
     /// When the last update was sent; `None` before the hello.
-    updated_secs: Option<f64>,
+    pub(super) updated_secs: Option<f64>,
     /// Whether something changed since.
-    is_changed: bool,
-    last_arrival_secs: f64,
-    decisions: BTreeMap<usize, SessionDecision>,
+    pub(super) is_changed: bool,
+    pub(super) last_arrival_secs: f64,
+    pub(super) decisions: BTreeMap<usize, SessionDecision>,
 }
 
 impl Client {
@@ -293,282 +239,8 @@ impl Client {
         (0..self.characters.len()).all(|character| self.report(character).is_complete)
     }
 
-    // Over HTTP.
-
-    /// Returns the next request, with a number for its answer; `None` if there is nothing to ask for now. It
-    /// is called until then, and again after each answer and each frame.
-    pub fn next_request(&mut self, now_secs: f64) -> Option<(u64, ClientRequest)> {
-        if now_secs < self.resume_secs {
-            return None;
-        }
-        let waits = |number: &usize| {
-            !self
-                .asked
-                .values()
-                .any(|asked| matches!(asked, Asked::Manifest(n) if n == number))
-        };
-        let mut lacking = (0..self.characters.len())
-            .filter(|n| !self.characters[*n].is_whole && !self.stages.contains_key(n));
-        if let Some(number) = lacking.find(waits) {
-            let of = &self.characters[number];
-            let request = ClientRequest::Manifest {
-                name: of.name.clone(),
-                known: of.receiver.as_ref().map(|_| of.manifest.clone()),
-            };
-            return Some((self.ask(Asked::Manifest(number)), request));
-        }
-        let under_way = self.asked.values();
-        let bytes = under_way.filter(|asked| matches!(asked, Asked::Increment(_)));
-        let is_busy = bytes.count() >= self.options.requests.max(1);
-        if is_busy || !self.stages.is_empty() || now_secs < self.pace.ready_secs() {
-            return None;
-        }
-        let bandwidth = self.bandwidth();
-        let increment = self.planner.next(now_secs, bandwidth)?;
-        let files = &self.characters[increment.character]
-            .receiver
-            .as_ref()?
-            .manifest()
-            .files;
-        let object = files.get(&increment.file)?.hash.clone();
-        let request = ClientRequest::Bytes {
-            object,
-            increment: increment.clone(),
-        };
-        self.pace
-            .spend(increment.range.end - increment.range.start, now_secs);
-        Some((self.ask(Asked::Increment(increment)), request))
-    }
-
-    /// Takes what came of a request. A number that is unknown, as of a request that was made twice, is left
-    /// out.
-    ///
-    /// # Errors
-    /// An [`Error`] that names the character: a malformed manifest, one that gets nothing in this context,
-    /// bytes that are damaged again and again.
-    pub fn answer(&mut self, id: u64, answer: ClientAnswer, now_secs: f64) -> Result<()> {
-        let Some(asked) = self.asked.remove(&id) else {
-            return Ok(());
-        };
-        if answer != ClientAnswer::Failed {
-            self.pause_secs = PAUSE_SECS;
-        }
-        match (asked, answer) {
-            (Asked::Manifest(number), ClientAnswer::Manifest { bytes, is_whole }) => {
-                self.stages.insert(number, (bytes, is_whole));
-                self.take_stages()
-            }
-            (Asked::Manifest(number), ClientAnswer::Unchanged { is_whole }) => {
-                let of = &mut self.characters[number];
-                of.is_whole = is_whole && of.receiver.is_some();
-                if of.receiver.is_none() {
-                    self.pause(now_secs);
-                }
-                Ok(())
-            }
-            (Asked::Increment(increment), ClientAnswer::Bytes { bytes, transfer }) => {
-                self.throughput.add(Transfer {
-                    first_byte_secs: transfer
-                        .first_byte_secs
-                        .min(transfer.last_byte_secs - LEAST_TRANSFER_SECS),
-                    ..transfer
-                });
-                let (number, file) = (increment.character, &increment.file);
-                self.take_bytes(number, file, increment.range.start, &bytes)?;
-                self.take_stages()
-            }
-            (Asked::Increment(increment), _) => {
-                self.restore(increment.character);
-                self.pause(now_secs);
-                self.take_stages()
-            }
-            (Asked::Manifest(_), _) => {
-                self.pause(now_secs);
-                Ok(())
-            }
-        }
-    }
-
-    // In a session.
-
-    /// Begins a session: returns the first message to send. What was under way is given up.
-    pub fn hello(&mut self, now_secs: f64) -> ClientMessage {
-        self.session = Session {
-            updated_secs: Some(now_secs),
-            last_arrival_secs: now_secs,
-            ..Session::default()
-        };
-        self.asked.clear();
-        self.stages.clear();
-        let update = SessionUpdate {
-            version: SESSION_VERSION,
-            ..self.state()
-        };
-        ClientMessage::Hello(update)
-    }
-
-    /// Returns what has changed since the last message, or the measured bandwidth and the positions once a
-    /// second; `None` if there is nothing to tell.
-    pub fn update(&mut self, now_secs: f64) -> Option<ClientMessage> {
-        let last = self.session.updated_secs?;
-        if !self.session.is_changed && now_secs - last < UPDATE_SECS {
-            return None;
-        }
-        let mut update = self.state();
-        if !self.session.is_changed {
-            update.context = None;
-        }
-        self.session.updated_secs = Some(now_secs);
-        self.session.is_changed = false;
-        Some(ClientMessage::Update(update))
-    }
-
-    /// Returns a message about what is shown.
-    pub fn shown(&self, fps: f64, frame_ms: f64) -> ClientMessage {
-        let players = self.characters.iter().filter_map(ClientCharacter::player);
-        let joints: usize = players.map(|player| player.report().sampled.len()).sum();
-        ClientMessage::Shown(ShownReport {
-            fps,
-            frame_ms,
-            joints: joints as u64,
-            stalls: self.characters.iter().map(|of| of.stalls).sum(),
-        })
-    }
-
-    /// Takes a message of the server; returns what is to be answered.
-    ///
-    /// # Errors
-    /// As [`Self::answer`]; what the server says is wrong.
-    pub fn take(&mut self, message: ServerMessage, now_secs: f64) -> Result<Option<ClientMessage>> {
-        match message {
-            ServerMessage::Manifest {
-                character,
-                is_whole,
-                hash,
-                bytes,
-            } => {
-                let number = self.known(character)?;
-                let hash = blake3::Hash::from_bytes(hash).to_hex().to_string();
-                if bytes.is_empty() {
-                    self.characters[number].is_whole = is_whole;
-                } else {
-                    let most = self.options.open.limits.bytes;
-                    let manifest = decompressed(&bytes, most).context("manifest")?;
-                    if blake3::hash(&manifest).to_hex().as_str() != hash {
-                        return Err(Error::unsuited("manifest: its hash is another one"));
-                    }
-                    self.take_manifest(number, hash, &manifest, is_whole)?;
-                }
-                let of = &self.characters[number];
-                let held = of
-                    .receiver
-                    .as_ref()
-                    .map(ItemReceiver::held)
-                    .unwrap_or_default();
-                let held = HeldFiles::of(character, of.manifest.clone(), &held);
-                Ok(Some(ClientMessage::Held(held)))
-            }
-            ServerMessage::Bytes {
-                character,
-                file,
-                offset,
-                is_compressed,
-                bytes,
-            } => {
-                let number = self.known(character)?;
-                self.measure(bytes.len() as u64, now_secs);
-                let receiver = self.characters[number].receiver.as_ref();
-                let mut files = receiver.into_iter().flat_map(|r| &r.manifest().files);
-                let unknown = || Error::unsuited("bytes of a file that the item does not have");
-                let (name, entry) = files.nth(usize::from(file)).ok_or_else(unknown)?;
-                let (name, most) = (name.clone(), entry.bytes);
-                let bytes = match is_compressed {
-                    true => decompressed(&bytes, most).with_context(|| name.clone())?,
-                    false => bytes,
-                };
-                let faults = self.faults.get(&number).copied();
-                self.take_bytes(number, &name, offset, &bytes)?;
-                // The server sends again what it thinks is here.
-                let is_fault = self.faults.get(&number).copied() != faults;
-                Ok(is_fault.then(|| {
-                    let of = &self.characters[number];
-                    let held = of
-                        .receiver
-                        .as_ref()
-                        .map(ItemReceiver::held)
-                        .unwrap_or_default();
-                    ClientMessage::Held(HeldFiles::of(character, of.manifest.clone(), &held))
-                }))
-            }
-            ServerMessage::Decision(decision) => {
-                let number = self.known(decision.character)?;
-                self.session.decisions.insert(number, decision);
-                Ok(None)
-            }
-            ServerMessage::Complete { .. } | ServerMessage::Statistics(_) => Ok(None),
-            ServerMessage::Error(error) => Err(Error::unsuited(error.error)),
-        }
-    }
-
-    /// Returns what the server decided last for a character.
-    pub fn decision(&self, character: usize) -> Option<&SessionDecision> {
-        self.session.decisions.get(&character)
-    }
-
-    fn known(&self, character: u16) -> Result<usize> {
-        let number = usize::from(character);
-        let unknown = || Error::unsuited("a message about a character that was not asked for");
-        self.characters
-            .get(number)
-            .map(|_| number)
-            .ok_or_else(unknown)
-    }
-
-    /// The state of the client for a message.
-    fn state(&self) -> SessionUpdate {
-        let characters = self.characters.iter().map(|of| WantedCharacter {
-            name: of.name.clone(),
-            importance: Some(of.importance),
-            distance_m: of.distance_m,
-            clip: of.clip.clone(),
-            position_secs: Some(of.position_secs()),
-            manifest: of.receiver.as_ref().map(|_| of.manifest.clone()),
-        });
-        SessionUpdate {
-            version: 0,
-            context: Some(self.context.clone()),
-            measured_bps: Some(self.measured_bps()),
-            characters: Some(characters.collect()),
-        }
-    }
-
-    /// Measures the bandwidth by messages that follow each other.
-    fn measure(&mut self, bytes: u64, now_secs: f64) {
-        let last = std::mem::replace(&mut self.session.last_arrival_secs, now_secs);
-        if now_secs - last <= TRANSFER_PAUSE_SECS {
-            self.throughput.add(Transfer {
-                bytes,
-                first_byte_secs: last.min(now_secs - LEAST_TRANSFER_SECS),
-                last_byte_secs: now_secs,
-            });
-        }
-    }
-
-    // Both.
-
-    fn ask(&mut self, asked: Asked) -> u64 {
-        self.next_id += 1;
-        self.asked.insert(self.next_id, asked);
-        self.next_id
-    }
-
-    fn pause(&mut self, now_secs: f64) {
-        self.resume_secs = now_secs + self.pause_secs;
-        self.pause_secs = (2.0 * self.pause_secs).min(LONGEST_PAUSE_SECS);
-    }
-
     /// Bits per second that are reckoned with.
-    fn bandwidth(&self) -> f64 {
+    pub(super) fn bandwidth(&self) -> f64 {
         let measured = self.throughput.bits_per_second();
         self.context
             .network
@@ -584,7 +256,7 @@ impl Client {
         context
     }
 
-    fn take_manifest(
+    pub(super) fn take_manifest(
         &mut self,
         number: usize,
         hash: String,
@@ -601,27 +273,6 @@ impl Client {
         of.is_whole = is_whole;
         of.note_stage();
         self.plan(number)
-    }
-
-    /// Goes on with manifests that arrived, of characters of which no bytes of the stage before are under way.
-    fn take_stages(&mut self) -> Result<()> {
-        let is_busy = |number: usize| {
-            let mut asked = self.asked.values();
-            asked.any(|asked| matches!(asked, Asked::Increment(of) if of.character == number))
-        };
-        let ready: Vec<usize> = self
-            .stages
-            .keys()
-            .copied()
-            .filter(|n| !is_busy(*n))
-            .collect();
-        for number in ready {
-            if let Some((bytes, is_whole)) = self.stages.remove(&number) {
-                let hash = blake3::hash(&bytes).to_hex().to_string();
-                self.take_manifest(number, hash, &bytes, is_whole)?;
-            }
-        }
-        Ok(())
     }
 
     /// Plans a character anew from its manifest.
@@ -665,7 +316,13 @@ impl Client {
         }
     }
 
-    fn take_bytes(&mut self, number: usize, file: &str, offset: u64, bytes: &[u8]) -> Result<()> {
+    pub(super) fn take_bytes(
+        &mut self,
+        number: usize,
+        file: &str,
+        offset: u64,
+        bytes: &[u8],
+    ) -> Result<()> {
         let of = &mut self.characters[number];
         let Some(receiver) = &mut of.receiver else {
             return Ok(());
@@ -687,7 +344,7 @@ impl Client {
     }
 
     /// Tells the planner what is there and under way, after something was not.
-    fn restore(&mut self, number: usize) {
+    pub(super) fn restore(&mut self, number: usize) {
         let receiver = self.characters[number].receiver.as_ref();
         let mut held = receiver.map(ItemReceiver::held).unwrap_or_default();
         for asked in self.asked.values() {

@@ -12,26 +12,30 @@
 //! Feed ─ Feed::next ─▶ ServerMessage ─ Client::take ─▶ Client
 //! ```
 //!
-//! - `plan`: the order in which one character comes
+//! - `plan`, `order`: the pieces of one character, and the order in which they come; `described`: what is there of them
 //! - `planner`: all characters, by importance
 //! - `pace`: a bound on bytes per second
 //! - `message`: messages of a session, as bytes
 //! - `report`, `character`: what is here of a character, and shown
-//! - `machine`: the client
+//! - `machine`: the client; `requests`, `session`: its two ways to a server
 //! - `feed`: the server's side of a session
 
 mod character;
+mod described;
 mod feed;
 mod machine;
 mod message;
+mod order;
 mod pace;
 mod plan;
 mod planner;
 mod report;
+mod requests;
+mod session;
 
 pub use character::ClientCharacter;
 pub use feed::{Feed, FeedChange, FeedNext, FeedPlan};
-pub use machine::{Client, ClientAnswer, ClientOptions, ClientRequest};
+pub use machine::{Client, ClientOptions};
 pub use message::{
     ClientMessage, HeldFiles, MOST_CHARACTERS, MOST_MESSAGE_BYTES, SESSION_VERSION, ServerMessage,
     SessionDecision, SessionError, SessionStatistics, SessionUpdate, ShownReport, WantedCharacter,
@@ -39,3 +43,4 @@ pub use message::{
 pub use plan::DeliveryPlan;
 pub use planner::Increment;
 pub use report::CharacterReport;
+pub use requests::{ClientAnswer, ClientRequest};

@@ -1,6 +1,7 @@
 //! What comes next of all characters of a client: one bandwidth, shared by importance.
 
-use super::plan::{CharacterPlan, Chunk, DeliveryPlan};
+use super::order::{CharacterPlan, Chunk};
+use super::plan::DeliveryPlan;
 use crate::error::Result;
 use crate::item::{AdaptOptions, Item, ItemBytes, ItemCut, Manifest, decide};
 use articula_stream::description::Context;
