@@ -71,5 +71,6 @@ pub use catalogue::{Catalogue, CharacterState, Progress};
 pub use error::ServeError;
 pub use http::{router, serve};
 pub use options::ServeOptions;
+pub use page::path_of;
 pub use prepare::Preparation;
 pub use watcher::{AnsweredRequest, RequestWatcher};

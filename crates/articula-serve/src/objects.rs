@@ -4,11 +4,12 @@
 use crate::error::ServeError;
 use articula::item::decompressed;
 use axum::body::Bytes;
-use quick_cache::Weighter;
-use quick_cache::sync::Cache;
+use quick_cache::sync::{Cache, DefaultLifecycle};
+use quick_cache::{DefaultHashBuilder, OptionsBuilder, Weighter};
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Name of an object: 64 hexadecimal digits.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -51,7 +52,28 @@ const MOST_BYTES: u64 = 1 << 30;
 pub(crate) struct Objects {
     folder: PathBuf,
     /// What was asked for last, each checked against its name.
-    recent: Cache<(ObjectName, Coding), Bytes, ByBytes>,
+    recent: Recent,
+}
+
+type Recent = Cache<(ObjectName, Coding), Bytes, ByBytes>;
+
+/// All in one shard: an object may be as large as the whole.
+fn cache(most_bytes: u64) -> Recent {
+    let mut options = OptionsBuilder::new();
+    options
+        .estimated_items_capacity(EXPECTED)
+        .weight_capacity(most_bytes)
+        .shards(1);
+    match options.build() {
+        Ok(options) => Cache::with_options(
+            options,
+            ByBytes,
+            DefaultHashBuilder::default(),
+            DefaultLifecycle::default(),
+        ),
+        // A number that is missing; none is.
+        Err(_) => Cache::with_weighter(EXPECTED, most_bytes, ByBytes),
+    }
 }
 
 /// Objects count by their bytes.
@@ -69,11 +91,11 @@ impl Objects {
     pub(crate) fn new(folder: PathBuf, most_bytes: u64) -> Self {
         Self {
             folder,
-            recent: Cache::with_weighter(EXPECTED, most_bytes, ByBytes),
+            recent: cache(most_bytes),
         }
     }
 
-    /// Stores an object, unless it is there.
+    /// Stores an object, unless it is there; a file of its name with other bytes is replaced.
     pub(crate) fn put(
         &self,
         name: &ObjectName,
@@ -81,15 +103,25 @@ impl Objects {
         bytes: &[u8],
     ) -> Result<(), ServeError> {
         let path = self.path(name, coding);
-        match path.exists() {
-            true => Ok(()),
-            false => write(&path, bytes),
+        if fs::read(&path).is_ok_and(|known| known == bytes) {
+            return Ok(());
         }
+        write(&path, bytes)?;
+        self.recent.remove(&(name.clone(), coding));
+        Ok(())
     }
 
-    /// Returns an object that is in memory.
-    pub(crate) fn recent(&self, name: &ObjectName, coding: Coding) -> Option<Bytes> {
-        self.recent.get(&(name.clone(), coding))
+    /// Whether there is a file of an object.
+    pub(crate) fn has(&self, name: &ObjectName) -> bool {
+        self.path(name, Coding::Identity).exists()
+    }
+
+    /// Returns an object that is in memory; nothing within if it is known to have no such form.
+    pub(crate) fn recent(&self, name: &ObjectName, coding: Coding) -> Option<Option<Bytes>> {
+        let known = self.recent.get(&(name.clone(), coding))?;
+        // No form of an object that is compressed is empty.
+        let is_none = coding == Coding::Brotli && known.is_empty();
+        Some((!is_none).then_some(known))
     }
 
     /// Returns an object; `None` if there is no such one.
@@ -101,13 +133,18 @@ impl Objects {
         name: &ObjectName,
         coding: Coding,
     ) -> Result<Option<Bytes>, ServeError> {
-        if let Some(bytes) = self.recent(name, coding) {
-            return Ok(Some(bytes));
+        if let Some(known) = self.recent(name, coding) {
+            return Ok(known);
         }
         let path = self.path(name, coding);
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                if coding == Coding::Brotli && self.has(name) {
+                    self.recent.insert((name.clone(), coding), Bytes::new());
+                }
+                return Ok(None);
+            }
             Err(error) => return Err(ServeError::store(&path, &error)),
         };
         let hash = match coding {
@@ -134,6 +171,9 @@ impl Objects {
     }
 }
 
+/// Numbers the files that are being written.
+static NUMBER: AtomicU64 = AtomicU64::new(0);
+
 /// Writes a file, which appears under its name when it is complete and safe.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), ServeError> {
     let of = |place: &Path| {
@@ -143,7 +183,9 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), ServeError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     fs::create_dir_all(folder).map_err(of(folder))?;
     let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(format!(".{}.part", std::process::id()));
+    // Two threads may write the same.
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    name.push(format!(".{}-{number}.part", std::process::id()));
     let part = path.with_file_name(name);
     let mut written = fs::File::create(&part).and_then(|mut file| {
         file.write_all(bytes)?;
@@ -193,7 +235,7 @@ mod tests {
             let objects = Objects::new(folder.path().join(format!("{most_bytes}")), most_bytes);
             assert_eq!(objects.get(&name, Coding::Identity).unwrap(), None);
             objects.put(&name, Coding::Identity, &walk).unwrap();
-            objects.put(&name, Coding::Identity, b"other").unwrap();
+            assert_eq!(objects.get(&name, Coding::Brotli).unwrap(), None);
             objects.put(&name, Coding::Brotli, &short).unwrap();
             for _ in 0..2 {
                 let found = |coding| objects.get(&name, coding).unwrap().unwrap();
@@ -211,11 +253,19 @@ mod tests {
     fn bytes_of_another_name_are_never_returned() {
         let folder = tempfile::tempdir().unwrap();
         let objects = Objects::new(folder.path().to_owned(), 1 << 20);
-        let name = ObjectName::of(b"walk");
+        let walk = b"walk ".repeat(50);
+        let name = ObjectName::of(&walk);
         for (coding, wrong) in [(Coding::Identity, &b"other"[..]), (Coding::Brotli, b"walk")] {
             objects.put(&name, coding, wrong).unwrap();
             let error = objects.get(&name, coding).unwrap_err().to_string();
             assert!(error.contains("not those of its name"), "{error}");
+            // What is stored under the name then takes its place.
+            let right = match coding {
+                Coding::Identity => walk.clone(),
+                Coding::Brotli => articula::item::compressed("a.txt", &walk).unwrap(),
+            };
+            objects.put(&name, coding, &right).unwrap();
+            assert_eq!(objects.get(&name, coding).unwrap().unwrap(), right);
         }
     }
 }

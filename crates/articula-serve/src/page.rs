@@ -112,8 +112,8 @@ fn escaped(text: &str) -> String {
     made
 }
 
-/// A name as a segment of a path.
-pub(crate) fn path_of(name: &str) -> String {
+/// Returns a name as a segment of a path, percent-encoded (RFC 3986).
+pub fn path_of(name: &str) -> String {
     let mut made = String::with_capacity(name.len());
     for byte in name.bytes() {
         match byte {

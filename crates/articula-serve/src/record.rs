@@ -121,11 +121,13 @@ impl Records {
         let Some(name) = record.and_then(|record| ObjectName::parse(&record.manifest)) else {
             return Ok(None);
         };
-        let Some(manifest) = objects.get(&name, Coding::Identity)? else {
+        // What was lost or changed is made anew.
+        let Ok(Some(manifest)) = objects.get(&name, Coding::Identity) else {
             return Ok(None);
         };
         let of: Option<Manifest> = serde_json::from_slice(&manifest).ok();
-        Ok(of.map(|of| Served::new(name, &of)))
+        let served = of.map(|of| Served::new(name, &of));
+        Ok(served.filter(|served| served.files.values().all(|name| objects.has(name))))
     }
 
     /// Records that a source was packaged.

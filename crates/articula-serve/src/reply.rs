@@ -57,12 +57,7 @@ pub(crate) async fn stored(
 ) -> Response {
     let metrics = catalogue.metrics();
     let objects = catalogue.objects();
-    let recent = |coding| {
-        objects
-            .recent(answer.name, coding)
-            .map(Some)
-            .ok_or(Elsewhere)
-    };
+    let recent = |coding| objects.recent(answer.name, coding).ok_or(Elsewhere);
     if let Ok(Some(response)) = answer.of(request, metrics, recent) {
         Metrics::add(&metrics.recent, 1);
         return response;

@@ -347,7 +347,7 @@ impl Session {
         };
         let Some(name) = name else { return Ok(None) };
         if let Some(recent) = self.catalogue.objects().recent(&name, coding) {
-            return Ok(Some(recent));
+            return Ok(recent);
         }
         let catalogue = self.catalogue.clone();
         let read = tokio::task::spawn_blocking(move || catalogue.objects().get(&name, coding));

@@ -166,6 +166,17 @@ fn a_session_begins_before_the_character_is_packaged_and_goes_on_after_losses() 
         )
     };
     assert!(shown(&client) == shown(&fetched));
+
+    // An object that was lost is made again, and is the same.
+    let receiver = fetched.character(0).unwrap().receiver().unwrap();
+    let lost = &receiver.manifest().files["figure.glb"].hash;
+    let objects = folder.path().join(".articula/objects");
+    std::fs::remove_file(objects.join(&lost[..2]).join(lost)).unwrap();
+    drop(server);
+    let server = Server::start(folder.path(), &options());
+    assert!(shown(&client) == shown(&fetch(&server)));
+    let metrics = String::from_utf8(server.get("/metrics", &[]).body).unwrap();
+    assert!(metrics.contains("articula_packaged_total 1"), "{metrics}");
 }
 
 /// A client that fetches all by itself.

@@ -42,6 +42,10 @@ pub struct ClientCharacter {
     version: u64,
     /// For each piece of the plan whether it is there.
     there: Option<Vec<bool>>,
+    /// What is shown, in numbers: a figure is made anew a little after its bytes have come. With the access unit
+    /// that it is about; nothing if other pieces are there since.
+    described: CharacterReport,
+    described_unit: Option<Option<usize>>,
     is_waiting: bool,
     /// Whether a later stage of the item is received, and what plays is not there of it.
     is_renewed: bool,
@@ -78,6 +82,8 @@ impl ClientCharacter {
             shown: None,
             version: 0,
             there: None,
+            described: CharacterReport::default(),
+            described_unit: None,
             is_waiting: false,
             is_renewed: false,
         }
@@ -178,6 +184,13 @@ impl ClientCharacter {
         }
         self.is_waiting = !plays;
         let there = self.there.as_deref().unwrap_or_default();
+        let unit = plan.unit(ahead);
+        let is_shown = self.shown.is_some() && !self.changed.figure;
+        if is_shown && self.described_unit != Some(unit) {
+            self.described = plan.describe(there, ahead);
+            self.described.is_complete &= self.is_whole;
+            self.described_unit = Some(unit);
+        }
         // What was not sent rests, and costs nothing.
         let sent = plan
             .loa(there, ahead)
@@ -292,23 +305,19 @@ impl ClientCharacter {
 
     fn update_there(&mut self, plan: &CharacterPlan) {
         if self.there.is_none() {
+            self.described_unit = None;
             let held = self.receiver.as_ref().map(ItemReceiver::held);
             self.there = Some(plan.there(&held.unwrap_or_default()));
         }
     }
 
     /// What is shown, in numbers.
-    pub(super) fn report(&self, plan: Option<&CharacterPlan>) -> CharacterReport {
-        let mut report = CharacterReport {
+    pub(super) fn report(&self) -> CharacterReport {
+        CharacterReport {
             bytes: self.bytes,
             stalls: self.stalls,
-            ..CharacterReport::default()
-        };
-        if let (Some(plan), Some(there), true) = (plan, &self.there, self.shown.is_some()) {
-            plan.describe(there, self.position_secs(), &mut report);
-            report.is_complete &= self.is_whole;
+            ..self.described.clone()
         }
-        report
     }
 }
 

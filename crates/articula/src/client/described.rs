@@ -24,6 +24,11 @@ impl CharacterPlan {
         delivery.missing_of_shape(there, least).is_empty() && now.is_none_or(has_unit)
     }
 
+    /// The access unit that plays at a position.
+    pub(super) fn unit(&self, position_secs: f64) -> Option<usize> {
+        self.near(position_secs).first().and_then(|(unit, _)| *unit)
+    }
+
     /// The finest level of articulation of the body that is there of what plays at a position; `None` of a
     /// motion without levels.
     pub(super) fn loa(&self, there: &[bool], position_secs: f64) -> Option<u32> {
@@ -37,12 +42,8 @@ impl CharacterPlan {
     }
 
     /// Describes what is there of what plays at a position.
-    pub(super) fn describe(
-        &self,
-        there: &[bool],
-        position_secs: f64,
-        report: &mut CharacterReport,
-    ) {
+    pub(super) fn describe(&self, there: &[bool], position_secs: f64) -> CharacterReport {
+        let mut report = CharacterReport::default();
         let delivery = &self.planned.delivery;
         let levels = &delivery.ladder.levels;
         let unit = self.near(position_secs).first().and_then(|(unit, _)| *unit);
@@ -56,7 +57,6 @@ impl CharacterPlan {
         };
         report.level = levels.iter().take_while(has_level).count();
         report.levels = levels.len();
-        report.target = self.target();
         report.is_complete = self.is_complete(there);
         let scale = delivery.pixels_per_metre();
         let mut errors_px = [0.0_f64; 3];
@@ -98,6 +98,7 @@ impl CharacterPlan {
             }
         }
         report.error_px = Some(errors_px.iter().sum());
+        report
     }
 
     /// Whether all that the context asks for is among the pieces that are there.

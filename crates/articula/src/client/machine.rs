@@ -220,9 +220,10 @@ impl Client {
     /// Returns what is shown of a character, in numbers.
     pub fn report(&self, character: usize) -> CharacterReport {
         let of = self.characters.get(character);
-        let mut report = of
-            .map(|of| of.report(self.planner.plan(character)))
-            .unwrap_or_default();
+        let mut report = of.map(ClientCharacter::report).unwrap_or_default();
+        if let Some(plan) = self.planner.plan(character) {
+            report.target = plan.target();
+        }
         if let Some(decision) = self.session.decisions.get(&character) {
             report.target = decision.level;
         }
@@ -297,6 +298,7 @@ impl Client {
         let clip = of.clip.as_deref();
         self.planner.set(number, (plan.as_ref(), flat), &held, clip);
         self.planner.weigh(number, of.importance);
+        self.characters[number].note_plan();
         Ok(())
     }
 

@@ -115,9 +115,12 @@ impl CharacterPlan {
         }
     }
 
-    /// The level of quality that the bandwidth carries, of [`Self::levels`].
+    /// The level of quality that the bandwidth carries, of [`Self::levels`]; all of them once nothing is left to come.
     pub(super) fn target(&self) -> usize {
-        self.switch.layers()
+        match self.is_over() {
+            true => self.levels(),
+            false => self.switch.layers(),
+        }
     }
 
     pub(super) fn levels(&self) -> usize {

@@ -103,7 +103,7 @@ impl Client {
     /// out.
     ///
     /// # Errors
-    /// An [`Error`] that names the character: a malformed manifest, one that gets nothing in this context,
+    /// An [`Error`](crate::Error) that names the character: a malformed manifest, one that gets nothing in this context,
     /// bytes that are damaged again and again.
     pub fn answer(&mut self, id: u64, answer: ClientAnswer, now_secs: f64) -> Result<()> {
         let Some(asked) = self.asked.remove(&id) else {
@@ -120,6 +120,7 @@ impl Client {
             (Asked::Manifest(number), ClientAnswer::Unchanged { is_whole }) => {
                 let of = &mut self.characters[number];
                 of.is_whole = is_whole && of.receiver.is_some();
+                of.note_plan();
                 if of.receiver.is_none() {
                     self.pause(now_secs);
                 }

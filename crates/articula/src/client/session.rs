@@ -76,6 +76,7 @@ impl Client {
                 let hash = blake3::Hash::from_bytes(hash).to_hex().to_string();
                 if bytes.is_empty() {
                     self.characters[number].is_whole = is_whole;
+                    self.characters[number].note_plan();
                 } else {
                     let most = self.options.open.limits.bytes;
                     let manifest = decompressed(&bytes, most).context("manifest")?;

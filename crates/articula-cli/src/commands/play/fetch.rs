@@ -6,6 +6,7 @@ use anyhow::bail;
 use articula::client::{ClientAnswer, ClientRequest, Increment};
 use articula::item::decompressed;
 use articula::stream::decide::Transfer;
+use articula_serve::path_of;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -61,7 +62,7 @@ fn run(
 fn fetch(server: &Server, request: &ClientRequest, start: Instant) -> anyhow::Result<ClientAnswer> {
     match request {
         ClientRequest::Manifest { name, known } => {
-            let path = format!("/v1/characters/{}", encoded(name));
+            let path = format!("/v1/characters/{}", path_of(name));
             let at = format!("{path}/manifest.json?wait={WAIT_SECS}");
             let tag = known.as_ref().map(|hash| format!("\"{hash}\""));
             let headers = tag.as_deref().map(|tag| ("If-None-Match", tag));
@@ -113,14 +114,4 @@ fn bytes(
         bytes: body,
         transfer,
     })
-}
-
-/// A name as a segment of a path.
-fn encoded(name: &str) -> String {
-    let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(byte);
-    let each = name.bytes().map(|byte| match is_plain(&byte) {
-        true => char::from(byte).to_string(),
-        false => format!("%{byte:02X}"),
-    });
-    each.collect()
 }

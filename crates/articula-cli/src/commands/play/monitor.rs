@@ -105,9 +105,16 @@ impl Sample {
         ];
         let decision = client.decision(0).map(|decided| &decided.decision);
         let bounds = decision.and_then(|decision| decision["bounds"].as_array());
-        if let Some(bounds) = bounds {
-            let words: Vec<&str> = bounds.iter().filter_map(|bound| bound.as_str()).collect();
-            lines.push(format!("the server says: limited by {}", words.join(", ")));
+        let words = bounds
+            .into_iter()
+            .flatten()
+            .filter_map(|bound| bound.as_str());
+        let words: Vec<&str> = words.collect();
+        if decision.is_some() {
+            lines.push(match words.as_slice() {
+                [] => "the server says: limited by nothing".to_owned(),
+                words => format!("the server says: limited by {}", words.join(", ")),
+            });
         }
         lines
     }
