@@ -7,10 +7,10 @@ use crate::catalogue::Catalogue;
 use crate::device_store::{DeviceStore, KnownDevice, MOST_DEVICES};
 use crate::error::ServeError;
 use crate::objects::ObjectName;
+use crate::reply::{blocking, fault, is_allowed, unknown};
 use articula::device::{DeviceDescription, DeviceReport};
 use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
-use axum::http::header::AUTHORIZATION;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, put};
@@ -114,7 +114,7 @@ async fn put_result(
     }
     let report = match DeviceReport::read(&body) {
         Ok(report) => report,
-        Err(error) => return fault(StatusCode::BAD_REQUEST, &error.to_string()),
+        Err(error) => return fault(StatusCode::BAD_REQUEST, error.to_string()),
     };
     let stored = with_store(catalogue, move |store| {
         let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
@@ -127,7 +127,7 @@ async fn put_result(
         }
         Ok(None) => {
             let what = format!("the server knows {MOST_DEVICES} devices, which is all it takes");
-            fault(StatusCode::INSUFFICIENT_STORAGE, &what)
+            fault(StatusCode::INSUFFICIENT_STORAGE, what)
         }
         Err(error) => error.into_response(),
     }
@@ -152,13 +152,12 @@ async fn nearest(State(catalogue): State<Catalogue>, Query(asked): Query<Asked>)
 }
 
 async fn device(State(catalogue): State<Catalogue>, Path(hash): Path<String>) -> Response {
-    let unknown = || fault(StatusCode::NOT_FOUND, "there is no such device");
     let Some(name) = ObjectName::parse(&hash) else {
-        return unknown();
+        return unknown("device");
     };
     match with_store(catalogue, move |store| store.get(&name)).await {
         Ok(Some(known)) => Json(DeviceAnswer::new(known, None)).into_response(),
-        Ok(None) => unknown(),
+        Ok(None) => unknown("device"),
         Err(error) => error.into_response(),
     }
 }
@@ -169,21 +168,5 @@ async fn with_store<T: Send + 'static>(
     work: impl FnOnce(&DeviceStore) -> Result<T, ServeError> + Send + 'static,
 ) -> Result<T, ServeError> {
     let store = DeviceStore::new(catalogue.folder(FOLDER));
-    let done = tokio::task::spawn_blocking(move || work(&store)).await;
-    done.unwrap_or_else(|error| Err(ServeError::Network(std::io::Error::other(error))))
-}
-
-/// Whether a request has the token; hashes are compared, which takes the same time for any.
-fn is_allowed(catalogue: &Catalogue, headers: &HeaderMap) -> bool {
-    let Some(token) = &catalogue.options().token else {
-        return true;
-    };
-    let given = headers.get(AUTHORIZATION);
-    let given = given.and_then(|value| value.to_str().ok());
-    let given = given.and_then(|value| value.strip_prefix("Bearer "));
-    blake3::hash(given.unwrap_or_default().as_bytes()) == blake3::hash(token.as_bytes())
-}
-
-fn fault(status: StatusCode, what: &str) -> Response {
-    (status, Json(serde_json::json!({ "error": what }))).into_response()
+    blocking(move || work(&store)).await
 }

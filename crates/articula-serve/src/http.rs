@@ -8,14 +8,14 @@ use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::page::{list, path_of};
-use crate::reply::{CHANGING, blocking, fault, later, stored, unknown};
+use crate::reply::{CHANGING, blocking, fault, is_allowed, later, stored, unknown};
 use crate::upload::upload;
 use crate::watcher::watched;
 use crate::{connections, cut, devices, glb, openapi, session};
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path, Query, RawQuery, Request, State};
-use axum::http::header::{AUTHORIZATION, CONTENT_SECURITY_POLICY, CONTENT_TYPE};
+use axum::http::header::{CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
@@ -184,20 +184,6 @@ async fn put_character(
         Ok(report) => (StatusCode::ACCEPTED, Json(report)).into_response(),
         Err(error) => error.into_response(),
     }
-}
-
-/// Whether a request has the token; hashes are compared, which takes the same time for any.
-fn is_allowed(catalogue: &Catalogue, headers: &HeaderMap) -> bool {
-    let Some(token) = &catalogue.options().token else {
-        return true;
-    };
-    let given = headers
-        .get(AUTHORIZATION)
-        .and_then(|value| value.to_str().ok());
-    let given = given
-        .and_then(|value| value.strip_prefix("Bearer "))
-        .unwrap_or_default();
-    blake3::hash(given.as_bytes()) == blake3::hash(token.as_bytes())
 }
 
 /// How a request for a manifest waits.

@@ -1,11 +1,11 @@
-//! Answers that several routes give: errors as JSON, and objects of the store.
+//! What several routes share: errors as JSON, objects of the store, and who may write.
 
 use crate::answer::Answer;
 use crate::catalogue::Catalogue;
 use crate::error::ServeError;
 use crate::metrics::Metrics;
 use axum::Json;
-use axum::http::header::RETRY_AFTER;
+use axum::http::header::{AUTHORIZATION, RETRY_AFTER};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -87,4 +87,18 @@ pub(crate) async fn blocking<T: Send + 'static>(
 ) -> Result<T, ServeError> {
     let done = tokio::task::spawn_blocking(work).await;
     done.unwrap_or_else(|error| Err(ServeError::Network(std::io::Error::other(error))))
+}
+
+/// Whether a request has the token; hashes are compared, which takes the same time for any.
+pub(crate) fn is_allowed(catalogue: &Catalogue, headers: &HeaderMap) -> bool {
+    let Some(token) = &catalogue.options().token else {
+        return true;
+    };
+    let given = headers
+        .get(AUTHORIZATION)
+        .and_then(|value| value.to_str().ok());
+    let given = given
+        .and_then(|value| value.strip_prefix("Bearer "))
+        .unwrap_or_default();
+    blake3::hash(given.as_bytes()) == blake3::hash(token.as_bytes())
 }
