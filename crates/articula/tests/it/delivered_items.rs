@@ -310,6 +310,69 @@ fn a_nearer_view_asks_for_more_and_a_bandwidth_bounds_what_comes() {
 }
 
 #[test]
+fn characters_share_a_bandwidth_by_importance_and_the_least_of_all_comes_first() {
+    let Some(item) = textured() else { return };
+    let (mut client, first) = client();
+    let second = client.add("walker, nearer");
+    client.set_view(second, 4.0, None).unwrap();
+    let mut came = [0, 0];
+    let mut shown_after = [None, None];
+    let mut complete_after = [None, None];
+    let mut now_secs = 0.0;
+    while !client.is_complete() {
+        now_secs += 0.3;
+        while let Some((id, request)) = client.next_request(now_secs) {
+            let answer = match request {
+                ClientRequest::Manifest { .. } => ClientAnswer::Manifest {
+                    bytes: manifest(item),
+                    is_whole: true,
+                },
+                ClientRequest::Bytes { increment, .. } => {
+                    let (start, end) = (increment.range.start, increment.range.end);
+                    came[increment.character] += end - start;
+                    let file = item.file(&increment.file).unwrap();
+                    let bytes = file[start as usize..end as usize].to_vec();
+                    now_secs += 0.3;
+                    let transfer = Transfer {
+                        bytes: end - start,
+                        first_byte_secs: now_secs - 0.2,
+                        last_byte_secs: now_secs,
+                    };
+                    ClientAnswer::Bytes { bytes, transfer }
+                }
+            };
+            client.answer(id, answer, now_secs).unwrap();
+            client.frame(now_secs, 0.0).unwrap();
+            for character in [first, second] {
+                let report = client.report(character);
+                if report.level > 0 {
+                    shown_after[character].get_or_insert(came);
+                }
+                if report.is_complete {
+                    complete_after[character].get_or_insert(came);
+                }
+            }
+        }
+        client.frame(now_secs, 0.0).unwrap();
+    }
+    let all = client.report(second).bytes;
+    let [Some(first_shown), Some(second_shown)] = shown_after else {
+        panic!("both are shown: {shown_after:?}");
+    };
+    // Neither is refined before both are there.
+    assert!(
+        first_shown[0] < all / 2 && second_shown[1] < all / 2,
+        "{shown_after:?}, {all}"
+    );
+    // When the one that matters has all, the other has the least and a fourth of what came after it.
+    let then = complete_after[second].unwrap();
+    assert!(
+        then[0] > first_shown[0] / 2 && then[0] < 7 * all / 10,
+        "{then:?} of {all}"
+    );
+}
+
+#[test]
 fn messages_come_back_and_mutated_ones_are_refused_or_harmless() {
     let Some(item) = textured() else { return };
     let (mut client, _) = client();
