@@ -92,6 +92,8 @@ pub(super) struct Session {
     pub(super) is_changed: bool,
     pub(super) last_arrival_secs: f64,
     pub(super) decisions: BTreeMap<usize, SessionDecision>,
+    /// The manifests for which the server knows what is held.
+    pub(super) held: BTreeMap<usize, String>,
 }
 
 impl Client {

@@ -86,6 +86,11 @@ impl Client {
                     self.take_manifest(number, hash, &manifest, is_whole)?;
                 }
                 let of = &self.characters[number];
+                // What is on the way since it was told is not held twice.
+                let told = self.session.held.insert(number, of.manifest.clone());
+                if told.as_ref() == Some(&of.manifest) {
+                    return Ok(None);
+                }
                 let held = of
                     .receiver
                     .as_ref()

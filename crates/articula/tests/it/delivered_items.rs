@@ -262,6 +262,14 @@ fn sessions_go_on_where_one_before_was_cut_off() {
         "{report:?}"
     );
     sent.check_once();
+    // The same manifest, since all of the item is made now, asks for nothing.
+    let again = ServerMessage::Manifest {
+        character: 0,
+        is_whole: true,
+        hash: *blake3::hash(&manifest(item)).as_bytes(),
+        bytes: Vec::new(),
+    };
+    assert_eq!(client.take(again, 2.0).unwrap(), None);
     let decision = client.decision(character).unwrap();
     assert!(decision.levels > 1 && decision.decision["explanation"].is_string());
 }
