@@ -15,3 +15,4 @@ pub(crate) mod lod;
 pub(crate) mod package;
 pub(crate) mod play;
 pub(crate) mod serve;
+pub(crate) mod server;

@@ -1,104 +1,45 @@
 //! A server that is killed at any moment of an upload, of packaging and of a session, and started again: what it
 //! accepted is there, nothing is packaged twice, and a client goes on with what it has.
 
+use crate::connection::{Came, Connection};
 use crate::program::folder;
 use crate::serving::{request, started};
-use articula::client::{Client, ClientMessage, ClientOptions, ServerMessage};
+use articula::client::{Client, ClientOptions, ServerMessage};
 use articula::stream::description::Context;
-use std::collections::BTreeMap;
 use std::net::TcpStream;
-use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
-use tungstenite::{Message, WebSocket};
 
 /// Moments at which the server is killed; more by `ARTICULA_KILLS`.
 const KILLS: u64 = 2;
 
-/// Messages of one session until it ends.
-struct Connection(WebSocket<TcpStream>);
-
-impl Connection {
-    fn open(address: &str) -> Self {
-        let stream = TcpStream::connect(address).unwrap();
-        Self(
-            tungstenite::client(format!("ws://{address}/v1/session"), stream)
-                .unwrap()
-                .0,
-        )
-    }
-
-    fn send(&mut self, message: &ClientMessage) -> bool {
-        let bytes = message.to_bytes();
-        self.0.send(Message::Binary(bytes.into())).is_ok()
-    }
-
-    fn next(&mut self) -> Option<ServerMessage> {
-        loop {
-            match self.0.read() {
-                Ok(Message::Binary(bytes)) => return Some(ServerMessage::read(&bytes).unwrap()),
-                Ok(Message::Close(_)) | Err(_) => return None,
-                Ok(_) => {}
-            }
-        }
-    }
-}
-
-/// Bytes of objects that came, by their hashes.
+/// What came from servers, one after the other.
 #[derive(Default)]
-struct Came {
-    ranges: BTreeMap<String, Vec<Range<u64>>>,
+struct Received {
+    came: Came,
     /// Whether the last manifest was that of the whole item.
     is_whole: bool,
 }
 
-impl Came {
+impl Received {
+    fn note(&mut self, client: &Client, message: &ServerMessage) {
+        if let ServerMessage::Manifest { is_whole, .. } = message {
+            self.is_whole = *is_whole;
+        }
+        self.came.note(client, message);
+    }
+
     /// The server was killed. One that was packaging begins anew, from the first stage on, and a client then gives
     /// up what that stage does not have.
     fn kill(&mut self) {
         if !self.is_whole {
-            self.ranges.clear();
+            self.came.0.clear();
         }
-    }
-
-    fn add(&mut self, client: &Client, message: &ServerMessage) {
-        if let ServerMessage::Manifest { is_whole, .. } = message {
-            self.is_whole = *is_whole;
-        }
-        let ServerMessage::Bytes {
-            file,
-            offset,
-            is_compressed,
-            bytes,
-            ..
-        } = message
-        else {
-            return;
-        };
-        let receiver = client.character(0).unwrap().receiver().unwrap();
-        let entry = receiver
-            .manifest()
-            .files
-            .values()
-            .nth(usize::from(*file))
-            .unwrap();
-        let count = if *is_compressed {
-            entry.bytes
-        } else {
-            bytes.len() as u64
-        };
-        let range = *offset..*offset + count;
-        let known = self.ranges.entry(entry.hash.clone()).or_default();
-        let is_new = known
-            .iter()
-            .all(|r| r.end <= range.start || range.end <= r.start);
-        assert!(is_new, "{range:?} came twice, after {known:?}");
-        known.push(range);
     }
 }
 
 /// Goes on with a client for some messages; returns whether all is there.
-fn follow(address: &str, client: &mut Client, came: &mut Came, most: u64) -> bool {
+fn follow(address: &str, client: &mut Client, received: &mut Received, most: u64) -> bool {
     let start = Instant::now();
     let now = || start.elapsed().as_secs_f64();
     let mut connection = Connection::open(address);
@@ -107,7 +48,7 @@ fn follow(address: &str, client: &mut Client, came: &mut Came, most: u64) -> boo
         let Some(message) = connection.next().filter(|_| is_open) else {
             return false;
         };
-        came.add(client, &message);
+        received.note(client, &message);
         if let Some(answer) = client.take(message, now()).unwrap() {
             is_open = connection.send(&answer);
         }
@@ -138,7 +79,7 @@ fn a_server_that_is_killed_at_any_moment_loses_nothing_and_does_nothing_twice() 
         let folder = folder(&format!("killed-server-{kill}"));
         let mut client = Client::new(&context, &ClientOptions::default()).unwrap();
         client.add("walker");
-        let mut came = Came::default();
+        let mut received = Received::default();
         // An upload that is cut off in the middle, or is answered: then it counts.
         let (server, address) = started(&folder, &[]);
         let head = "PUT /v1/characters/walker HTTP/1.1\r\n";
@@ -169,20 +110,20 @@ fn a_server_that_is_killed_at_any_moment_loses_nothing_and_does_nothing_twice() 
             let answer = request(&address, head, &glb);
             assert!(answer.starts_with("HTTP/1.1 202"), "{answer}");
         }
-        let mut is_complete = follow(&address, &mut client, &mut came, dice(20));
+        let mut is_complete = follow(&address, &mut client, &mut received, dice(20));
         drop(server);
-        came.kill();
+        received.kill();
         let mut packaged = 0;
         for _ in 0..50 {
             if is_complete {
                 break;
             }
             let (server, address) = started(&folder, &[]);
-            is_complete = follow(&address, &mut client, &mut came, 30 + dice(60));
+            is_complete = follow(&address, &mut client, &mut received, 30 + dice(60));
             let metrics = request(&address, "GET /metrics HTTP/1.1\r\n", b"");
             packaged += u32::from(metrics.contains("articula_packaged_total 1\n"));
             drop(server);
-            came.kill();
+            received.kill();
         }
         assert!(is_complete, "moment {kill}");
         assert!(packaged <= 1, "moment {kill}: packaged {packaged} times");

@@ -18,6 +18,8 @@ mod bva;
 mod captures;
 mod clips;
 mod compressed_oracle;
+#[path = "../../../articula-serve/tests/it/connection.rs"]
+mod connection;
 mod conversion;
 mod crowd;
 mod devices;

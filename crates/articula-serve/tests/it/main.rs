@@ -7,6 +7,7 @@
 )]
 
 mod client;
+mod connection;
 mod devices;
 #[path = "../../../articula-cli/tests/it/judges/mod.rs"]
 mod judges;

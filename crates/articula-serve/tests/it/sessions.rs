@@ -2,6 +2,7 @@
 //! does not keep to the form harms nobody else.
 
 use crate::client::{Server, options};
+use crate::connection::{Came, Connection};
 use crate::real;
 use articula::client::{
     Client, ClientAnswer, ClientMessage, ClientOptions, ClientRequest, ServerMessage,
@@ -10,64 +11,22 @@ use articula::client::{
 use articula::stream::decide::Transfer;
 use articula::stream::description::Context;
 use articula_serve::ServeOptions;
-use std::collections::BTreeMap;
 use std::net::TcpStream;
-use std::ops::Range;
 use std::time::Instant;
-use tungstenite::{Message, WebSocket};
+use tungstenite::Message;
 
-/// Bytes of objects that came, by their hashes.
-#[derive(Default)]
-struct Came(BTreeMap<String, Vec<Range<u64>>>);
-
-impl Came {
-    /// Notes bytes of which none came before.
-    fn add(&mut self, hash: &str, range: Range<u64>) {
-        let known = self.0.entry(hash.to_owned()).or_default();
-        let is_new = known
-            .iter()
-            .all(|r| r.end <= range.start || range.end <= r.start);
-        assert!(is_new, "{range:?} of {hash} came twice, after {known:?}");
-        known.push(range);
+/// The reason for which the server ends a session.
+fn end(mut connection: Connection) -> String {
+    while let Some(message) = connection.next() {
+        if let ServerMessage::Error(error) = message {
+            return error.error;
+        }
     }
+    String::new()
 }
 
-/// A connection of a session.
-struct Connection(WebSocket<TcpStream>);
-
-impl Connection {
-    fn open(server: &Server) -> Self {
-        let stream = TcpStream::connect(server.at).unwrap();
-        let url = format!("ws://{}/v1/session", server.at);
-        Self(tungstenite::client(url, stream).unwrap().0)
-    }
-
-    fn send(&mut self, message: &ClientMessage) {
-        self.0
-            .send(Message::Binary(message.to_bytes().into()))
-            .unwrap();
-    }
-
-    /// The next message of the server; `None` at the end of the session.
-    fn next(&mut self) -> Option<ServerMessage> {
-        loop {
-            match self.0.read() {
-                Ok(Message::Binary(bytes)) => return Some(ServerMessage::read(&bytes).unwrap()),
-                Ok(Message::Close(_)) | Err(_) => return None,
-                Ok(_) => {}
-            }
-        }
-    }
-
-    /// The reason for which the server ends the session.
-    fn end(mut self) -> String {
-        while let Some(message) = self.next() {
-            if let ServerMessage::Error(error) = message {
-                return error.error;
-            }
-        }
-        String::new()
-    }
+fn open(server: &Server) -> Connection {
+    Connection::open(&server.at.to_string())
 }
 
 /// Someone near, who sees everything.
@@ -84,28 +43,11 @@ fn client(name: &str) -> Client {
 fn follow(server: &Server, client: &mut Client, came: &mut Came, most: usize) -> bool {
     let start = Instant::now();
     let now = || start.elapsed().as_secs_f64();
-    let mut connection = Connection::open(server);
+    let mut connection = open(server);
     connection.send(&client.hello(0.0));
     for _ in 0..most {
         let message = connection.next().expect("the session goes on");
-        if let ServerMessage::Bytes {
-            file,
-            offset,
-            is_compressed,
-            bytes,
-            ..
-        } = &message
-        {
-            let receiver = client.character(0).unwrap().receiver().unwrap();
-            let mut files = receiver.manifest().files.values();
-            let entry = files.nth(usize::from(*file)).unwrap();
-            let count = if *is_compressed {
-                entry.bytes
-            } else {
-                bytes.len() as u64
-            };
-            came.add(&entry.hash, *offset..*offset + count);
-        }
+        came.note(client, &message);
         if let Some(answer) = client.take(message, now()).unwrap() {
             connection.send(&answer);
         }
@@ -233,10 +175,10 @@ fn who_does_not_keep_to_the_form_is_told_and_harms_nobody() {
     std::fs::write(folder.path().join("broken.glb"), b"glTF").unwrap();
     let server = Server::start(folder.path(), &options());
     let raw = |message: Message| {
-        let mut connection = Connection::open(&server);
+        let mut connection = open(&server);
         // A frame that is refused may end the connection while it is sent.
         let _ = connection.0.send(message);
-        connection.end()
+        end(connection)
     };
     let hello = |name: &str| {
         ClientMessage::Hello(SessionUpdate {
@@ -263,7 +205,7 @@ fn who_does_not_keep_to_the_form_is_told_and_harms_nobody() {
     // Larger than a message may be.
     raw(Message::Binary(vec![0; 2 << 20].into()));
     // Who sends too much, and a second hello.
-    let mut flood = Connection::open(&server);
+    let mut flood = open(&server);
     flood.send(&nothing());
     for _ in 0..300 {
         let message = ClientMessage::Update(SessionUpdate::default()).to_bytes();
@@ -271,11 +213,11 @@ fn who_does_not_keep_to_the_form_is_told_and_harms_nobody() {
             break;
         }
     }
-    assert!(flood.end().contains("100 messages"));
-    let mut twice = Connection::open(&server);
+    assert!(end(flood).contains("100 messages"));
+    let mut twice = open(&server);
     twice.send(&nothing());
     twice.send(&nothing());
-    assert!(twice.end().contains("second hello"));
+    assert!(end(twice).contains("second hello"));
 }
 
 /// The first message of a session that wants no character.
@@ -295,7 +237,7 @@ fn beyond_the_limit_a_session_finds_no_place_until_another_leaves() {
     };
     let server = Server::start(folder.path(), &options);
     let url = format!("ws://{}/v1/session", server.at);
-    let [mut first, mut second] = [(); 2].map(|()| Connection::open(&server));
+    let [mut first, mut second] = [(); 2].map(|()| open(&server));
     first.send(&nothing());
     second.send(&nothing());
     for open in [&mut first, &mut second] {

@@ -12,16 +12,12 @@ impl CharacterPlan {
     pub(super) fn is_ready(&self, there: &[bool], position_secs: f64) -> bool {
         let delivery = &self.planned.delivery;
         let least = &delivery.ladder.levels[0];
-        let now = self.near(position_secs).into_iter().next();
-        let has_unit = |(unit, _): (Option<usize>, f64)| {
-            let layers = |part: usize| (part, &least[part]);
-            self.playing.map(layers).is_none_or(|(part, layers)| {
-                delivery
-                    .missing_of_unit(there, (part, unit), layers)
-                    .is_empty()
-            })
+        let unit = self.unit(position_secs);
+        let has_unit = |part: usize| {
+            let missing = delivery.missing_of_unit(there, (part, unit), &least[part]);
+            missing.is_empty()
         };
-        delivery.missing_of_shape(there, least).is_empty() && now.is_none_or(has_unit)
+        delivery.missing_of_shape(there, least).is_empty() && self.playing.is_none_or(has_unit)
     }
 
     /// The access unit that plays at a position.
@@ -34,7 +30,7 @@ impl CharacterPlan {
     pub(super) fn loa(&self, there: &[bool], position_secs: f64) -> Option<u32> {
         let delivery = &self.planned.delivery;
         let part = self.playing?;
-        let unit = self.near(position_secs).first().and_then(|(unit, _)| *unit);
+        let unit = self.unit(position_secs);
         let layers = delivery.layers_there(there, part, unit);
         let layers = delivery.manifest.parts[part].layers.iter().zip(layers);
         let loa = layers.filter_map(|(layer, there)| layer.keep.get("loa").filter(|_| there));
@@ -46,7 +42,7 @@ impl CharacterPlan {
         let mut report = CharacterReport::default();
         let delivery = &self.planned.delivery;
         let levels = &delivery.ladder.levels;
-        let unit = self.near(position_secs).first().and_then(|(unit, _)| *unit);
+        let unit = self.unit(position_secs);
         let has_level = |level: &&Kept| {
             let of_unit = |part: usize| {
                 delivery

@@ -61,8 +61,8 @@ impl FeedPlan {
         context: &Context,
         options: &AdaptOptions,
     ) -> Result<Self> {
-        let flat = flat_form(manifest, context, options)?;
         let decided = decide(&Item::elsewhere(manifest.clone()), context, options)?;
+        let flat = flat_form(manifest, &decided);
         let plan = match (plan, &flat) {
             (Err(error), None) => return Err(error),
             (plan, _) => plan.ok(),
@@ -189,15 +189,12 @@ impl Feed {
         of.told_level = None;
         of.is_told_complete = false;
         let is_known = self.planner.plan(character).is_some();
-        match (&plan.plan, is_known) {
-            (Some(layers), true) => self.planner.set_plan(character, layers),
-            _ => {
-                of.plan = Some(plan);
-                self.begin(character, now_secs);
-                return;
-            }
-        }
+        let layers = plan.plan.clone().filter(|_| is_known);
         of.plan = Some(plan);
+        match layers {
+            Some(layers) => self.planner.set_plan(character, &layers),
+            None => self.begin(character, now_secs),
+        }
     }
 
     /// What comes next at a time.

@@ -7,7 +7,7 @@ use super::plan::DeliveryPlan;
 use super::planner::{Increment, Planner, flat_form};
 use super::report::CharacterReport;
 use crate::error::{Context as _, Error, Result};
-use crate::item::{AdaptOptions, ItemReceiver};
+use crate::item::{AdaptOptions, Item, ItemReceiver, decide};
 use crate::open::OpenOptions;
 use articula_stream::decide::{FrameTimeSwitch, ThroughputEstimator, ThroughputOptions};
 use articula_stream::description::Context;
@@ -291,7 +291,10 @@ impl Client {
         let flat = match of.figure() {
             // Who shows the figure goes on.
             Some(_) => None,
-            None => flat_form(manifest, &context, options).with_context(|| of.name.clone())?,
+            None => {
+                let decided = decide(&Item::elsewhere(manifest.clone()), &context, options);
+                flat_form(manifest, &decided.with_context(|| of.name.clone())?)
+            }
         };
         let plan = match (plan, &flat) {
             (Err(error), None) => return Err(error).with_context(|| of.name.clone()),

@@ -49,7 +49,7 @@ pub(super) struct CharacterPlan {
     /// Level of the chunks.
     level: usize,
     reach: Reach,
-    pub(super) switch: LayerSwitch,
+    switch: LayerSwitch,
     /// Part of the motion that plays.
     pub(super) playing: Option<usize>,
 }
@@ -292,7 +292,6 @@ impl CharacterPlan {
     /// the motion that plays from now on. With `all` the other motions too, and the finer levels.
     fn turns_of(&self, near: &[(Option<usize>, f64)], target: usize, all: bool) -> Vec<Turn> {
         let levels = self.levels();
-        let wanted = if all { levels } else { target };
         let mut turns: Vec<Turn> = self.shape().copied().collect();
         for (unit, secs) in self.ahead(near) {
             let is_due = |turn: &&Turn| {
@@ -306,7 +305,7 @@ impl CharacterPlan {
         }
         let mut seen = self.has.clone();
         turns.retain(|turn| {
-            let is_wanted = turn.level < wanted.max(1) || all;
+            let is_wanted = all || turn.level < target.max(1);
             is_wanted && !std::mem::replace(&mut seen[turn.piece], true)
         });
         // What has the same level stays in order.

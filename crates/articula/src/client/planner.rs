@@ -2,9 +2,7 @@
 
 use super::order::{CharacterPlan, Chunk};
 use super::plan::DeliveryPlan;
-use crate::error::Result;
-use crate::item::{AdaptOptions, Item, ItemBytes, ItemCut, Manifest, decide};
-use articula_stream::description::Context;
+use crate::item::{ItemBytes, ItemCut, ItemDecision, Manifest};
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 
@@ -123,11 +121,13 @@ impl Planner {
     /// Sets how much a character matters, relative to others; 1 at first.
     pub(super) fn weigh(&mut self, character: usize, importance: f64) {
         let least = self.least_served();
-        if let Some(entry) = self.characters.get_mut(&character) {
-            entry.importance = match importance.is_finite() {
-                true => importance.max(LEAST_IMPORTANCE),
-                false => 1.0,
-            };
+        let importance = match importance.is_finite() {
+            true => importance.max(LEAST_IMPORTANCE),
+            false => 1.0,
+        };
+        let entry = self.characters.get_mut(&character);
+        if let Some(entry) = entry.filter(|entry| entry.importance != importance) {
+            entry.importance = importance;
             // What was saved under another importance does not count.
             entry.served = entry.served.min(least);
         }
@@ -232,15 +232,10 @@ impl Position {
 
 /// The form in 2D that a client shows first, where its bandwidth does not carry the least in 3D in time, or
 /// it asks for one: file and bytes.
-pub(super) fn flat_form(
-    manifest: &Manifest,
-    context: &Context,
-    options: &AdaptOptions,
-) -> Result<Option<(String, u64)>> {
-    let decided = decide(&Item::elsewhere(manifest.clone()), context, options)?;
+pub(super) fn flat_form(manifest: &Manifest, decided: &ItemDecision) -> Option<(String, u64)> {
     let Some(ItemCut::Flat(form)) = decided.cut else {
-        return Ok(None);
+        return None;
     };
-    let form = manifest.flat.get(form);
-    Ok(form.map(|form| (form.file.clone(), form.bytes)))
+    let form = manifest.flat.get(form)?;
+    Some((form.file.clone(), form.bytes))
 }

@@ -7,6 +7,7 @@ use articula_stream::decide::Transfer;
 
 /// Longest pause after requests that failed, seconds.
 const LONGEST_PAUSE_SECS: f64 = 8.0;
+
 /// What a client asks for over HTTP (`docs/formats/delivery.md`).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ClientRequest {

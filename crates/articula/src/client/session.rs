@@ -25,6 +25,7 @@ impl Client {
         };
         self.asked.clear();
         self.stages.clear();
+        (0..self.characters.len()).for_each(|number| self.restore(number));
         let update = SessionUpdate {
             version: SESSION_VERSION,
             ..self.state()
@@ -91,13 +92,7 @@ impl Client {
                 if told.as_ref() == Some(&of.manifest) {
                     return Ok(None);
                 }
-                let held = of
-                    .receiver
-                    .as_ref()
-                    .map(ItemReceiver::held)
-                    .unwrap_or_default();
-                let held = HeldFiles::of(character, of.manifest.clone(), &held);
-                Ok(Some(ClientMessage::Held(held)))
+                Ok(Some(self.held(character, number)))
             }
             ServerMessage::Bytes {
                 character,
@@ -121,15 +116,7 @@ impl Client {
                 self.take_bytes(number, &name, offset, &bytes)?;
                 // The server sends again what it thinks is here.
                 let is_fault = self.faults.get(&number).copied() != faults;
-                Ok(is_fault.then(|| {
-                    let of = &self.characters[number];
-                    let held = of
-                        .receiver
-                        .as_ref()
-                        .map(ItemReceiver::held)
-                        .unwrap_or_default();
-                    ClientMessage::Held(HeldFiles::of(character, of.manifest.clone(), &held))
-                }))
+                Ok(is_fault.then(|| self.held(character, number)))
             }
             ServerMessage::Decision(decision) => {
                 let number = self.known(decision.character)?;
@@ -153,6 +140,14 @@ impl Client {
             .get(number)
             .map(|_| number)
             .ok_or_else(unknown)
+    }
+
+    /// The message about what is here of a character.
+    fn held(&self, character: u16, number: usize) -> ClientMessage {
+        let of = &self.characters[number];
+        let held = of.receiver.as_ref().map(ItemReceiver::held);
+        let held = held.unwrap_or_default();
+        ClientMessage::Held(HeldFiles::of(character, of.manifest.clone(), &held))
     }
 
     /// The state of the client for a message.

@@ -3,6 +3,7 @@
 use super::report::{BenchReport, Played};
 use super::{hardware, send};
 use crate::arguments::{ReadArgs, positive};
+use crate::commands::server::Server;
 use crate::console::Console;
 use crate::{fault, files, open};
 use anyhow::Context;
@@ -117,7 +118,8 @@ impl DeviceArgs {
 
 /// Plays every application, reports, and sends the report.
 pub(crate) fn run(args: &DeviceArgs, console: &Console) -> anyhow::Result<()> {
-    let server = args.send.as_deref().map(send::Server::new).transpose()?;
+    let server = args.send.as_deref().map(Server::new).transpose();
+    let server = server.context("--send")?;
     if let Some(plot) = &args.plot {
         if files::extension(plot) != "svg" {
             let path = files::shown(plot);
@@ -151,7 +153,7 @@ pub(crate) fn run(args: &DeviceArgs, console: &Console) -> anyhow::Result<()> {
             device: report.device.clone(),
             results: results.collect(),
         };
-        report.sent = Some(server.put(&sent, args.token.as_deref())?);
+        report.sent = Some(send::put(&server, &sent, args.token.as_deref())?);
     }
     console.result(&report, BenchReport::text)
 }

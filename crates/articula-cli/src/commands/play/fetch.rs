@@ -1,7 +1,7 @@
 //! Requests of a client over HTTP, on threads of their own.
 
 use super::event::Event;
-use super::server::{Answer, Server};
+use crate::commands::server::{Answer, Server};
 use anyhow::bail;
 use articula::client::{ClientAnswer, ClientRequest, Increment};
 use articula::item::decompressed;

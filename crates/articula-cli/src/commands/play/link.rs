@@ -1,7 +1,7 @@
 //! A session over WebSocket, on a thread of its own.
 
 use super::event::Event;
-use super::server::Server;
+use crate::commands::server::Server;
 use anyhow::Context as _;
 use articula::client::{ClientMessage, MOST_MESSAGE_BYTES, ServerMessage};
 use std::io::ErrorKind;

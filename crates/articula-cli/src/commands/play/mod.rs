@@ -1,6 +1,5 @@
 //! `articula play URL`: shows a served character while it arrives.
 //!
-//! - `server`: requests to a server
 //! - `fetch`, `link`: what the client asks for over HTTP, and a session, on threads of their own
 //! - `event`, `keys`: what happens to the client
 //! - `slider`: a bandwidth that changes over time
@@ -15,10 +14,10 @@ mod link;
 mod monitor;
 mod output;
 mod screen;
-mod server;
 mod show;
 mod slider;
 
+use crate::commands::server::Server;
 use crate::console::Console;
 use crate::fault;
 use articula::client::{Client, ClientOptions};
@@ -29,7 +28,6 @@ use monitor::Sample;
 use output::Output;
 use screen::Screen;
 use serde::Serialize;
-use server::Server;
 use show::Show;
 use slider::Slider;
 use std::path::PathBuf;

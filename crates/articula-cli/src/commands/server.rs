@@ -1,4 +1,4 @@
-//! Requests to a server of characters.
+//! Requests to a server of characters and of results of devices.
 
 use crate::fault::{self, clean};
 use anyhow::{Context, bail};
@@ -91,25 +91,49 @@ impl Server {
         for (name, value) in headers {
             request = request.header(*name, *value);
         }
-        let at = || url.clone();
-        let mut response = request.call().with_context(at)?;
-        let first_byte = Instant::now();
-        let header = |name: &str| {
-            let value = response.headers().get(name);
-            let text = value.and_then(|value| value.to_str().ok());
-            text.unwrap_or_default().to_owned()
-        };
-        Ok(Answer {
-            status: response.status().as_u16(),
-            coding: header("content-encoding"),
-            state: header("articula-state"),
-            first_byte,
-            body: {
-                let body = response.body_mut().with_config().limit(MOST_BYTES);
-                body.read_to_vec().with_context(at)?
-            },
-        })
+        answer(request.call(), &url)
     }
+
+    /// Puts a body where a path names; returns the address of it, too.
+    pub(crate) fn put(
+        &self,
+        path: &str,
+        body: &[u8],
+        headers: &[(&str, &str)],
+    ) -> anyhow::Result<(String, Answer)> {
+        let url = format!("{}{path}", self.base);
+        let mut request = self.agent.put(&url);
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        let answer = answer(request.send(body), &url)?;
+        Ok((url, answer))
+    }
+}
+
+/// Reads what a server answers at an address.
+fn answer(
+    response: Result<ureq::http::Response<ureq::Body>, ureq::Error>,
+    url: &str,
+) -> anyhow::Result<Answer> {
+    let at = || url.to_owned();
+    let mut response = response.with_context(at)?;
+    let first_byte = Instant::now();
+    let header = |name: &str| {
+        let value = response.headers().get(name);
+        let text = value.and_then(|value| value.to_str().ok());
+        text.unwrap_or_default().to_owned()
+    };
+    Ok(Answer {
+        status: response.status().as_u16(),
+        coding: header("content-encoding"),
+        state: header("articula-state"),
+        first_byte,
+        body: {
+            let body = response.body_mut().with_config().limit(MOST_BYTES);
+            body.read_to_vec().with_context(at)?
+        },
+    })
 }
 
 impl Answer {
