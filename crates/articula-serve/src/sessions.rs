@@ -23,6 +23,9 @@ pub(crate) struct SessionReport {
 #[derive(Debug, Clone, Default, Serialize)]
 pub(crate) struct SessionCharacter {
     pub(crate) name: String,
+    /// The motion that plays, and the time within it as the client told it last: where another device goes on.
+    pub(crate) clip: Option<String>,
+    pub(crate) position_secs: f64,
     /// Level of quality that the bandwidth carries, and their number.
     pub(crate) level: usize,
     pub(crate) levels: usize,

@@ -7,6 +7,7 @@ pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod crowd;
 pub(crate) mod demo;
+pub(crate) mod device_score;
 pub(crate) mod flatten;
 pub(crate) mod gbsd;
 pub(crate) mod human;

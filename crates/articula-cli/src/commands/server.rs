@@ -41,6 +41,21 @@ struct Listed {
     name: String,
 }
 
+#[derive(Debug, Deserialize)]
+struct ListedSession {
+    number: u64,
+    characters: Vec<SessionCharacter>,
+}
+
+/// What a session shows of a character.
+#[derive(Debug, Deserialize)]
+pub(crate) struct SessionCharacter {
+    pub(crate) name: String,
+    pub(crate) clip: Option<String>,
+    /// Time within the clip.
+    pub(crate) position_secs: f64,
+}
+
 impl Server {
     pub(crate) fn new(url: &str) -> anyhow::Result<Self> {
         if !url.starts_with("http://") {
@@ -82,6 +97,27 @@ impl Server {
                 Err(fault::usage(what))
             }
         }
+    }
+
+    /// The first character of a session that is open.
+    pub(crate) fn session(&self, number: u64) -> anyhow::Result<SessionCharacter> {
+        let answer = self.get("/v1/sessions", &[])?;
+        let expected = || format!("{}: this is no server of characters", self.base);
+        if answer.status != 200 {
+            bail!(expected());
+        }
+        let open: Vec<ListedSession> =
+            serde_json::from_slice(&answer.body).with_context(expected)?;
+        let numbers: Vec<String> = open.iter().map(|of| of.number.to_string()).collect();
+        let mut characters = open.into_iter().filter(|of| of.number == number);
+        let first = characters.find_map(|of| of.characters.into_iter().next());
+        first.with_context(|| match numbers.is_empty() {
+            true => format!("{}: no session is open", self.base),
+            false => format!(
+                "session {number} is not open; these are: {}",
+                numbers.join(", ")
+            ),
+        })
     }
 
     /// Asks for what a path names.

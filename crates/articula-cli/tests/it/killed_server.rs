@@ -4,7 +4,7 @@
 use crate::connection::{Came, Connection};
 use crate::program::folder;
 use crate::serving::{request, started};
-use articula::client::{Client, ClientOptions, ServerMessage};
+use articula::client::{Client, ClientOptions};
 use articula::stream::description::Context;
 use std::net::TcpStream;
 use std::path::Path;
@@ -13,33 +13,8 @@ use std::time::Instant;
 /// Moments at which the server is killed; more by `ARTICULA_KILLS`.
 const KILLS: u64 = 2;
 
-/// What came from servers, one after the other.
-#[derive(Default)]
-struct Received {
-    came: Came,
-    /// Whether the last manifest was that of the whole item.
-    is_whole: bool,
-}
-
-impl Received {
-    fn note(&mut self, client: &Client, message: &ServerMessage) {
-        if let ServerMessage::Manifest { is_whole, .. } = message {
-            self.is_whole = *is_whole;
-        }
-        self.came.note(client, message);
-    }
-
-    /// The server was killed. One that was packaging begins anew, from the first stage on, and a client then gives
-    /// up what that stage does not have.
-    fn kill(&mut self) {
-        if !self.is_whole {
-            self.came.0.clear();
-        }
-    }
-}
-
 /// Goes on with a client for some messages; returns whether all is there.
-fn follow(address: &str, client: &mut Client, received: &mut Received, most: u64) -> bool {
+fn follow(address: &str, client: &mut Client, came: &mut Came, most: u64) -> bool {
     let start = Instant::now();
     let now = || start.elapsed().as_secs_f64();
     let mut connection = Connection::open(address);
@@ -48,7 +23,7 @@ fn follow(address: &str, client: &mut Client, received: &mut Received, most: u64
         let Some(message) = connection.next().filter(|_| is_open) else {
             return false;
         };
-        received.note(client, &message);
+        came.note(client, &message);
         if let Some(answer) = client.take(message, now()).unwrap() {
             is_open = connection.send(&answer);
         }
@@ -79,7 +54,7 @@ fn a_server_that_is_killed_at_any_moment_loses_nothing_and_does_nothing_twice() 
         let folder = folder(&format!("killed-server-{kill}"));
         let mut client = Client::new(&context, &ClientOptions::default()).unwrap();
         client.add("walker");
-        let mut received = Received::default();
+        let mut came = Came::default();
         // An upload that is cut off in the middle, or is answered: then it counts.
         let (server, address) = started(&folder, &[]);
         let head = "PUT /v1/characters/walker HTTP/1.1\r\n";
@@ -110,20 +85,18 @@ fn a_server_that_is_killed_at_any_moment_loses_nothing_and_does_nothing_twice() 
             let answer = request(&address, head, &glb);
             assert!(answer.starts_with("HTTP/1.1 202"), "{answer}");
         }
-        let mut is_complete = follow(&address, &mut client, &mut received, dice(20));
+        let mut is_complete = follow(&address, &mut client, &mut came, dice(20));
         drop(server);
-        received.kill();
         let mut packaged = 0;
         for _ in 0..50 {
             if is_complete {
                 break;
             }
             let (server, address) = started(&folder, &[]);
-            is_complete = follow(&address, &mut client, &mut received, 30 + dice(60));
+            is_complete = follow(&address, &mut client, &mut came, 30 + dice(60));
             let metrics = request(&address, "GET /metrics HTTP/1.1\r\n", b"");
             packaged += u32::from(metrics.contains("articula_packaged_total 1\n"));
             drop(server);
-            received.kill();
         }
         assert!(is_complete, "moment {kill}");
         assert!(packaged <= 1, "moment {kill}: packaged {packaged} times");

@@ -130,6 +130,48 @@ fn a_served_character_is_shown_from_its_base_on() {
     assert!(last["level"].as_u64() >= first["level"].as_u64());
     assert!(last["bytes"].as_u64() > first["bytes"].as_u64(), "{last}");
     assert!(first["slider_bps"] == 16e3 && last["slider_bps"].is_null());
+    let phases = slow["phases"].as_array().unwrap();
+    assert_eq!(phases.len(), 2, "{phases:?}");
+    assert!(phases[0]["slider_bps"] == 16e3 && phases[1]["slider_bps"].is_null());
+    assert!(phases[0]["decided_secs"].is_null(), "nothing before it");
+    assert!(phases[1]["secs"].as_f64() >= Some(0.4));
+    assert!(phases[1]["joints"].as_f64() >= phases[0]["joints"].as_f64());
+
+    // A slow device begins, and stays, at a lower level.
+    let [weak, strong] = ["10", "1000"].map(|score| {
+        let played = play(&["0.4", "--device-score", score]);
+        let last = played["samples"]
+            .as_array()
+            .unwrap()
+            .last()
+            .unwrap()
+            .clone();
+        assert_eq!(last["is_complete"], true, "{last}");
+        last["bytes"].as_u64().unwrap()
+    });
+    assert!(weak < strong, "{weak} {strong}");
+
+    // Another device goes on where a session is.
+    let mut other = Command::new(env!("CARGO_BIN_EXE_articula"));
+    let other = other.args(["--json", "play", &url, "--session", "--clip", "walk"]);
+    let other = other
+        .args(["--seconds", "60"])
+        .stdout(Stdio::null())
+        .spawn();
+    let _other = Server(other.unwrap());
+    let number = loop {
+        let answer = request(&address, "GET /v1/sessions HTTP/1.1\r\n", b"");
+        let listed: serde_json::Value =
+            serde_json::from_str(answer.split("\r\n\r\n").nth(1).unwrap()).unwrap();
+        let is_walking = listed[0]["characters"][0]["clip"] == "walk";
+        if let Some(number) = listed[0]["number"].as_u64().filter(|_| is_walking) {
+            break number.to_string();
+        }
+    };
+    let goes_on = play(&["0.1", "--continue", &number]);
+    assert_eq!(goes_on["name"], "walker");
+    let why = fault(&here, 1, &["--json", "play", &url, "--continue", "999"]);
+    assert!(why.contains(&format!("these are: {number}")), "{why}");
     drop(server);
 }
 

@@ -65,16 +65,20 @@ struct Session {
     feed: Feed,
     start: Instant,
     /// What of each character the client was told of.
-    served: Vec<Option<Told>>,
+    told: Vec<Told>,
     heard: Instant,
     /// Messages of the second that begins at a time.
     flood: (Instant, u32),
 }
 
-/// The state of a character that a client knows.
+/// What a client was told of a character.
+#[derive(Default)]
 struct Told {
-    served: Served,
+    /// The item of the manifest that it has.
+    served: Option<Served>,
     is_whole: bool,
+    /// Why it gets nothing of it, or nothing more.
+    error: Option<String>,
 }
 
 impl Session {
@@ -93,7 +97,7 @@ impl Session {
             place,
             feed,
             start,
-            served: Vec::new(),
+            told: Vec::new(),
             heard: start,
             flood: (start, 0),
         };
@@ -111,7 +115,8 @@ impl Session {
         news.mark_changed();
         loop {
             let is_news = news.has_changed().unwrap_or(false);
-            if is_news || self.served.iter().any(Option::is_none) {
+            let is_unknown = |told: &Told| told.served.is_none() && told.error.is_none();
+            if is_news || self.told.iter().any(is_unknown) {
                 news.mark_unchanged();
                 if let Err(end) = self.tell_manifests(socket).await {
                     return end;
@@ -122,7 +127,7 @@ impl Session {
                 FeedNext::Wait(until_secs) => {
                     let wait = Duration::from_secs_f64((until_secs - self.now()).max(0.001));
                     tokio::select! {
-                        came = socket.recv() => self.hear(came).await,
+                        came = socket.recv() => self.hear(socket, came).await,
                         // It is looked at above.
                         _ = news.changed() => {
                             news.mark_changed();
@@ -135,7 +140,7 @@ impl Session {
                     // What the client says counts before the next bytes.
                     Ok(()) => tokio::select! {
                         biased;
-                        came = socket.recv() => self.hear(came).await,
+                        came = socket.recv() => self.hear(socket, came).await,
                         () = std::future::ready(()) => Ok(()),
                     },
                     Err(end) => Err(end),
@@ -155,7 +160,11 @@ impl Session {
     }
 
     /// Takes a message of the client.
-    async fn hear(&mut self, came: Option<Result<Message, axum::Error>>) -> Result<(), End> {
+    async fn hear(
+        &mut self,
+        socket: &mut WebSocket,
+        came: Option<Result<Message, axum::Error>>,
+    ) -> Result<(), End> {
         let Some(message) = read(came)? else {
             return Ok(());
         };
@@ -171,18 +180,24 @@ impl Session {
         for change in changes {
             match change {
                 FeedChange::Characters => self.want(),
-                FeedChange::Plan(character) => self.plan(character).await?,
+                FeedChange::Plan(character) => self.plan(socket, character).await?,
             }
         }
         let shown = self.feed.shown().clone();
-        self.place.report(|report| report.shown = shown);
+        self.place.report(|report| {
+            report.shown = shown;
+            for (known, wanted) in report.characters.iter_mut().zip(self.feed.characters()) {
+                known.clip.clone_from(&wanted.clip);
+                known.position_secs = wanted.position_secs.unwrap_or_default();
+            }
+        });
         Ok(())
     }
 
     /// Notes other characters.
     fn want(&mut self) {
         let names: Vec<String> = self.feed.characters().map(|of| of.name.clone()).collect();
-        self.served = names.iter().map(|_| None).collect();
+        self.told = names.iter().map(|_| Told::default()).collect();
         let of = |name| SessionCharacter {
             name,
             ..SessionCharacter::default()
@@ -196,23 +211,46 @@ impl Session {
         let names: Vec<String> = self.feed.characters().map(|of| of.name.clone()).collect();
         for (character, name) in names.iter().enumerate() {
             let Some(state) = self.catalogue.state(name) else {
-                return Err(End::fault(format!("{name}: there is no such character")));
+                let why = format!("{name}: there is no such character");
+                self.refuse(socket, character, why).await?;
+                continue;
             };
             if let Progress::Failed(why) = &state.progress {
-                return Err(End::fault(format!("{name}: {why}")));
+                let why = format!("{name}: {why}");
+                self.refuse(socket, character, why).await?;
+                continue;
             }
             let is_whole = state.progress == Progress::Ready;
             let Some(served) = state.served else { continue };
-            let known = self.served[character].as_ref();
-            let is_known = known
-                .is_some_and(|told| told.served.name == served.name && told.is_whole == is_whole);
-            if is_known {
+            let told = &self.told[character];
+            let known = told.served.as_ref();
+            let is_known = known.is_some_and(|known| known.name == served.name);
+            if is_known && told.is_whole == is_whole {
                 continue;
             }
             self.tell_manifest(socket, character, served, is_whole)
                 .await?;
         }
         Ok(())
+    }
+
+    /// Tells the client once why it gets nothing of a character. The others go on.
+    async fn refuse(
+        &mut self,
+        socket: &mut WebSocket,
+        character: usize,
+        error: String,
+    ) -> Result<(), End> {
+        let told = &mut self.told[character];
+        if told.error.as_ref() == Some(&error) {
+            return Ok(());
+        }
+        told.error = Some(error.clone());
+        let fault = SessionError {
+            character: Some(character as u16),
+            error,
+        };
+        self.send(socket, &ServerMessage::Error(fault)).await
     }
 
     async fn tell_manifest(
@@ -223,8 +261,8 @@ impl Session {
         is_whole: bool,
     ) -> Result<(), End> {
         let hash = served.name.as_str().to_owned();
-        let known = self.served[character].as_ref();
-        let is_same = known.is_some_and(|told| told.served.name == served.name);
+        let known = self.told[character].served.as_ref();
+        let is_same = known.is_some_and(|known| known.name == served.name);
         let is_known = match is_same {
             true => true,
             false => self.feed.set_manifest(character, &served.manifest, &hash),
@@ -236,7 +274,11 @@ impl Session {
                 found.ok_or_else(|| End::fault("the manifest is not there any more"))?
             }
         };
-        self.served[character] = Some(Told { served, is_whole });
+        self.told[character] = Told {
+            served: Some(served),
+            is_whole,
+            error: None,
+        };
         let hash = blake3::Hash::from_hex(&hash).map_err(End::fault)?;
         let told = ServerMessage::Manifest {
             character: character as u16,
@@ -247,24 +289,30 @@ impl Session {
         self.send(socket, &told).await?;
         match is_same {
             true => Ok(()),
-            false => self.plan(character).await,
+            false => self.plan(socket, character).await,
         }
     }
 
     /// Plans a character for the context of the moment.
-    async fn plan(&mut self, character: usize) -> Result<(), End> {
-        let Some(Some(told)) = self.served.get(character) else {
+    async fn plan(&mut self, socket: &mut WebSocket, character: usize) -> Result<(), End> {
+        let told = self.told.get(character);
+        let Some(served) = told.and_then(|told| told.served.as_ref()) else {
             return Ok(());
         };
-        let (hash, manifest) = (told.served.name.clone(), told.served.manifest.clone());
+        let (hash, manifest) = (served.name.clone(), served.manifest.clone());
         let context = self.feed.context_of(character);
         let catalogue = self.catalogue.clone();
         let made = tokio::task::spawn_blocking(move || {
             catalogue.plans().get(hash.as_str(), &manifest, &context)
         });
-        let plan = made.await.map_err(End::fault)?.map_err(End::fault)?;
-        self.feed.set_plan(character, plan, self.now());
-        Ok(())
+        match made.await.map_err(End::fault)? {
+            Ok(plan) => {
+                self.told[character].error = None;
+                self.feed.set_plan(character, plan, self.now());
+                Ok(())
+            }
+            Err(error) => self.refuse(socket, character, error.to_string()).await,
+        }
     }
 
     /// Sends what comes next.
@@ -303,23 +351,19 @@ impl Session {
     }
 
     async fn increment(&self, of: &Increment, file: u16) -> Result<ServerMessage, End> {
-        let told = self.served.get(of.character).and_then(Option::as_ref);
-        let told = told.ok_or_else(|| End::fault("bytes of nothing"))?;
+        let told = self.told.get(of.character);
+        let served = told.and_then(|told| told.served.as_ref());
+        let served = served.ok_or_else(|| End::fault("bytes of nothing"))?;
         let lost = || End::fault(format!("{} is not there any more", of.file));
         let short = match of.is_whole {
-            true => {
-                self.bytes(&told.served, Some(&of.file), Coding::Brotli)
-                    .await?
-            }
+            true => self.bytes(served, Some(&of.file), Coding::Brotli).await?,
             false => None,
         };
         let is_compressed = short.is_some();
         let bytes = match short {
             Some(short) => short.to_vec(),
             None => {
-                let whole = self
-                    .bytes(&told.served, Some(&of.file), Coding::Identity)
-                    .await?;
+                let whole = self.bytes(served, Some(&of.file), Coding::Identity).await?;
                 let range = of.range.start as usize..of.range.end as usize;
                 let whole = whole.ok_or_else(lost)?;
                 whole.get(range).ok_or_else(lost)?.to_vec()

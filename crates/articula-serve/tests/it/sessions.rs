@@ -220,6 +220,61 @@ fn who_does_not_keep_to_the_form_is_told_and_harms_nobody() {
     assert!(end(twice).contains("second hello"));
 }
 
+#[test]
+fn what_is_wrong_with_one_character_stops_no_other_and_another_device_goes_on() {
+    let Some((_folder, server)) = served(&options()) else {
+        return;
+    };
+    let mut first = client("man");
+    first.add("nobody");
+    let start = Instant::now();
+    let now = || start.elapsed().as_secs_f64();
+    let mut connection = open(&server);
+    connection.send(&first.hello(0.0));
+    while !first.report(0).is_complete || first.character(1).unwrap().fault().is_none() {
+        let message = connection.next().expect("the session goes on");
+        if let Some(answer) = first.take(message, now()).unwrap() {
+            connection.send(&answer);
+        }
+        first.frame(now(), 0.0).unwrap();
+    }
+    let fault = first.character(1).unwrap().fault().unwrap();
+    assert_eq!(fault, "nobody: there is no such character");
+    assert_eq!(first.character(0).unwrap().fault(), None);
+    // It has played for a second and a half, and says so.
+    (0..15).for_each(|_| first.frame(now(), 0.1).unwrap());
+    let position = first.character(0).unwrap().position_secs();
+    assert!((position - 1.5).abs() < 1e-3, "{position}");
+    connection.send(&first.update(now() + 10.0).unwrap());
+    let listed = loop {
+        // A message is taken before the next second's counters come.
+        connection.next().unwrap();
+        let listed = server.get("/v1/sessions", &[]).json();
+        let of_first = listed[0]["characters"][0].clone();
+        if of_first["position_secs"] != 0.0 {
+            break of_first;
+        }
+    };
+    assert_eq!(listed["name"], "man");
+    let from_secs = listed["position_secs"].as_f64().unwrap();
+    assert!((from_secs - position).abs() < 1e-6);
+
+    // Another device goes on there, and begins with what plays then.
+    let mut second = client("man");
+    second.play_from(0, listed["clip"].as_str(), from_secs, 0.0);
+    let mut connection = open(&server);
+    connection.send(&second.hello(0.0));
+    while second.character(0).unwrap().player().is_none() {
+        let message = connection.next().expect("the session goes on");
+        if let Some(answer) = second.take(message, now()).unwrap() {
+            connection.send(&answer);
+        }
+        second.frame(now(), 0.01).unwrap();
+    }
+    let goes_on = second.character(0).unwrap().position_secs() - from_secs;
+    assert!((0.0..0.02).contains(&goes_on), "{goes_on}");
+}
+
 /// The first message of a session that wants no character.
 fn nothing() -> ClientMessage {
     ClientMessage::Hello(SessionUpdate {

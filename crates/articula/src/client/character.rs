@@ -27,6 +27,8 @@ pub struct ClientCharacter {
     pub(super) importance: f64,
     pub(super) distance_m: Option<f64>,
     pub(super) clip: Option<String>,
+    /// Where its motion begins, seconds.
+    start_secs: f64,
     pub(super) receiver: Option<ItemReceiver>,
     /// BLAKE3 of the manifest, 64 hexadecimal digits; empty before there is one.
     pub(super) manifest: String,
@@ -36,6 +38,8 @@ pub struct ClientCharacter {
     pub(super) bytes: u64,
     /// Number of times at which playback waits.
     pub(super) stalls: u64,
+    /// Why the server sends nothing of it, or nothing more.
+    pub(super) fault: Option<String>,
     /// What changed since the figure and the motions were made.
     changed: Changed,
     shown: Option<Shown>,
@@ -73,11 +77,13 @@ impl ClientCharacter {
             importance: 1.0,
             distance_m: None,
             clip: None,
+            start_secs: 0.0,
             receiver: None,
             manifest: String::new(),
             is_whole: false,
             bytes: 0,
             stalls: 0,
+            fault: None,
             changed: Changed::default(),
             shown: None,
             version: 0,
@@ -97,6 +103,12 @@ impl ClientCharacter {
     /// Returns its distance from the camera, if it has one of its own.
     pub fn distance_m(&self) -> Option<f64> {
         self.distance_m
+    }
+
+    /// Returns why the server sends nothing of it, or nothing more: it is unknown there, cannot be packaged, or
+    /// has nothing for the context.
+    pub fn fault(&self) -> Option<&str> {
+        self.fault.as_deref()
     }
 
     /// Returns the receiver of its item, once there is a manifest.
@@ -129,7 +141,7 @@ impl ClientCharacter {
     /// Time within the motion that plays, seconds.
     pub fn position_secs(&self) -> f64 {
         let state = self.player().and_then(FigurePlayer::state);
-        state.map_or(0.0, |state| f64::from(playing(state).secs()))
+        state.map_or(self.start_secs, |state| f64::from(playing(state).secs()))
     }
 
     /// Notes what bytes changed.
@@ -144,6 +156,14 @@ impl ClientCharacter {
             | ItemChange::Mesh { .. }
             | ItemChange::Texture { .. }
             | ItemChange::File => self.changed.figure = true,
+        }
+    }
+
+    /// Notes whether the manifest is that of the whole item: then no earlier state of it comes again.
+    pub(super) fn set_whole(&mut self, is_whole: bool) {
+        self.is_whole = is_whole;
+        if let Some(receiver) = self.receiver.as_mut().filter(|_| is_whole) {
+            receiver.settle();
         }
     }
 
@@ -290,16 +310,16 @@ impl ClientCharacter {
         Ok(())
     }
 
-    /// Plays another motion from its beginning.
-    pub(super) fn play(&mut self, clip: Option<&str>) {
+    /// Plays another motion from a time within it on.
+    pub(super) fn play(&mut self, clip: Option<&str>, from_secs: f64) {
         self.clip = clip.map(str::to_owned);
+        self.start_secs = from_secs;
         let Some(shown) = &mut self.shown else { return };
         let model = Arc::clone(shown.player.model());
         let named = model.clips().iter().position(|c| Some(&*c.name) == clip);
         if let Some(clip) = named.or((!model.clips().is_empty()).then_some(0)) {
-            shown
-                .player
-                .fade_to(ClipState::new(&*model, clip), REFINEMENT_SECS);
+            let state = ClipState::new(&*model, clip).at_secs(&*model, from_secs as f32);
+            shown.player.fade_to(state, REFINEMENT_SECS);
         }
     }
 

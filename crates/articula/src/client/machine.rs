@@ -189,9 +189,20 @@ impl Client {
 
     /// Plays another motion of a character, from its beginning; the first one without a name that it has.
     pub fn play(&mut self, character: usize, clip: Option<&str>, now_secs: f64) {
+        self.play_from(character, clip, 0.0, now_secs);
+    }
+
+    /// Plays another motion of a character from a time within it on, such as where another device has left it.
+    pub fn play_from(
+        &mut self,
+        character: usize,
+        clip: Option<&str>,
+        from_secs: f64,
+        now_secs: f64,
+    ) {
         if let Some(of) = self.characters.get_mut(character) {
-            of.play(clip);
-            self.planner.play(character, clip, 0.0, now_secs);
+            of.play(clip, from_secs);
+            self.planner.play(character, clip, from_secs, now_secs);
             self.session.is_changed = true;
         }
     }
@@ -273,7 +284,7 @@ impl Client {
         };
         of.receiver = Some(receiver.with_context(|| of.name.clone())?);
         of.manifest = hash;
-        of.is_whole = is_whole;
+        of.set_whole(is_whole);
         of.note_stage();
         self.plan(number)
     }

@@ -120,7 +120,7 @@ impl Client {
             }
             (Asked::Manifest(number), ClientAnswer::Unchanged { is_whole }) => {
                 let of = &mut self.characters[number];
-                of.is_whole = is_whole && of.receiver.is_some();
+                of.set_whole(is_whole && of.receiver.is_some());
                 of.note_plan();
                 if of.receiver.is_none() {
                     self.pause(now_secs);

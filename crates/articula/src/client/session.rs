@@ -64,7 +64,8 @@ impl Client {
     /// Takes a message of the server; returns what is to be answered.
     ///
     /// # Errors
-    /// As [`Self::answer`]; what the server says is wrong.
+    /// As [`Self::answer`]; what the server says is wrong with the session. What is wrong with one character is
+    /// noted there.
     pub fn take(&mut self, message: ServerMessage, now_secs: f64) -> Result<Option<ClientMessage>> {
         match message {
             ServerMessage::Manifest {
@@ -76,7 +77,7 @@ impl Client {
                 let number = self.known(character)?;
                 let hash = blake3::Hash::from_bytes(hash).to_hex().to_string();
                 if bytes.is_empty() {
-                    self.characters[number].is_whole = is_whole;
+                    self.characters[number].set_whole(is_whole);
                     self.characters[number].note_plan();
                 } else {
                     let most = self.options.open.limits.bytes;
@@ -120,11 +121,19 @@ impl Client {
             }
             ServerMessage::Decision(decision) => {
                 let number = self.known(decision.character)?;
+                self.characters[number].fault = None;
                 self.session.decisions.insert(number, decision);
                 Ok(None)
             }
             ServerMessage::Complete { .. } | ServerMessage::Statistics(_) => Ok(None),
-            ServerMessage::Error(error) => Err(Error::unsuited(error.error)),
+            ServerMessage::Error(error) => match error.character {
+                Some(character) => {
+                    let number = self.known(character)?;
+                    self.characters[number].fault = Some(error.error);
+                    Ok(None)
+                }
+                None => Err(Error::unsuited(error.error)),
+            },
         }
     }
 

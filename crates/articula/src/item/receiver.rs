@@ -43,6 +43,8 @@ pub struct ItemReceiver {
     pub(super) rig: Option<Rig>,
     /// The receivers of streams, by the part.
     pub(super) streams: BTreeMap<usize, StreamReceiver>,
+    /// Bytes of files that only earlier states of the item have, by their hashes.
+    pub(super) earlier: BTreeMap<String, Pieces>,
 }
 
 /// What bytes changed.
@@ -94,6 +96,7 @@ impl ItemReceiver {
             manifest,
             rig: None,
             streams: BTreeMap::new(),
+            earlier: BTreeMap::new(),
         }
     }
 

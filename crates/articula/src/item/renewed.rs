@@ -2,6 +2,7 @@
 //! stays of use.
 
 use super::part::{ItemLayer, ItemPart};
+use super::pieces::Pieces;
 use super::receiver::ItemReceiver;
 use super::stream_receiver::StreamReceiver;
 use crate::error::Result;
@@ -11,6 +12,9 @@ impl ItemReceiver {
     /// of its packaging, that holds what this one holds of it: files with the same hash, with what is decoded
     /// of them, and of a stream that has grown the layers that both have. Of such a stream only the base is
     /// fetched anew.
+    ///
+    /// Bytes of files that the other state does not have stay too, for a state after it that has them: a server
+    /// that is stopped while it packages begins with the first stage again. [`Self::settle`] gives them up.
     ///
     /// # Errors
     /// As [`Self::new`]. What does not fit is left out.
@@ -42,7 +46,34 @@ impl ItemReceiver {
                 }
             }
         }
+        made.keep_earlier(self);
         Ok(made)
+    }
+
+    /// Takes what an earlier receiver holds, by its hash, of files that it or its state does not have.
+    fn keep_earlier(&mut self, before: &Self) {
+        self.earlier.clone_from(&before.earlier);
+        for (name, entry) in &before.manifest.files {
+            if let Some(pieces) = before.files.get(name) {
+                self.earlier.insert(entry.hash.clone(), pieces.clone());
+            }
+        }
+        for (name, entry) in self.manifest.files.clone() {
+            let known = self.earlier.get(&entry.hash).cloned();
+            for (offset, bytes) in known.iter().flat_map(Pieces::all) {
+                // A fault is found again when the bytes are fetched.
+                let _ = self.receive(&name, offset, bytes);
+            }
+        }
+        let files = &self.manifest.files;
+        self.earlier.retain(|hash, pieces| {
+            pieces.there().bytes() > 0 && files.values().all(|entry| entry.hash != *hash)
+        });
+    }
+
+    /// Gives up what it holds of earlier states of the item: once the item is whole, none of them comes again.
+    pub fn settle(&mut self) {
+        self.earlier.clear();
     }
 
     /// The file here that has the same bytes as one of another state of the item.
@@ -92,17 +123,22 @@ impl ItemReceiver {
         let (Some(known), Some(pieces)) = (part.layers.iter().find(same), pieces) else {
             return Vec::new();
         };
-        let held = known.ranges.iter();
-        let held = held.map(|[start, count]| pieces.get(&(*start..start + count)));
-        let Some(bytes) = held.collect::<Option<Vec<_>>>().map(|held| held.concat()) else {
-            return Vec::new();
-        };
-        let mut at = 0;
+        // Both have the same bytes one after the other, in ranges that may end elsewhere.
+        let mut held = Pieces::of_length(layer.bytes);
+        let mut end = 0;
+        for [start, count] in &known.ranges {
+            if let Some(bytes) = pieces.get(&(*start..start + count)) {
+                // Ranges of a layer are checked to have its number of bytes.
+                let _ = held.put(end, bytes);
+            }
+            end += count;
+        }
+        end = 0;
         let mut moved = Vec::with_capacity(layer.ranges.len());
         for [start, count] in &layer.ranges {
-            let end = at + *count as usize;
-            moved.extend(bytes.get(at..end).map(|bytes| (*start, bytes.to_vec())));
-            at = end;
+            let bytes = held.get(&(end..end + count));
+            moved.extend(bytes.map(|bytes| (*start, bytes.to_vec())));
+            end += count;
         }
         moved
     }

@@ -112,18 +112,13 @@ fn every_stage_is_an_item_of_which_the_next_one_has_all() {
 /// A client that fetches each stage as it is made shows it, and fetches of a stream that grows no layer
 /// twice.
 fn check_receiver(stages: &[Item]) {
-    let manifest = |item: &Item| item.files().pop().unwrap().1;
     let mut client = ItemReceiver::new(&manifest(&stages[0]), &OpenOptions::default()).unwrap();
     let mut held = 0;
     for (s, stage) in stages.iter().enumerate() {
         client = client.renewed(&manifest(stage)).unwrap();
-        let parts = stage.manifest.parts.iter();
-        let all = ItemCut::Layers {
-            kept: parts.clone().map(|p| vec![true; p.layers.len()]).collect(),
-            regions: Regions::default(),
-        };
-        let missing = client.missing(&all).unwrap();
-        let heads: u64 = parts.map(|part| part.base_bytes).sum();
+        let missing = client.missing(&all(stage)).unwrap();
+        let heads = stage.manifest.parts.iter().map(|part| part.base_bytes);
+        let heads: u64 = heads.sum();
         assert!(missing.bytes() + held <= stage.bytes() + heads, "stage {s}");
         for (name, ranges) in missing.files() {
             for range in ranges.ranges() {
@@ -141,6 +136,29 @@ fn check_receiver(stages: &[Item]) {
             .iter()
             .filter(|p| p.kind == PartKind::Texture);
         held = client.held().bytes() - textures.map(|p| p.layers[0].bytes).sum::<u64>();
+    }
+    // A server that was stopped while it packaged begins anew: all is here, until the item is whole.
+    for (s, stage) in stages.iter().enumerate().chain(stages.iter().enumerate()) {
+        client = client.renewed(&manifest(stage)).unwrap();
+        assert_eq!(client.missing(&all(stage)).unwrap().bytes(), 0, "stage {s}");
+    }
+    let right = assemble(&stages[stages.len() - 1], &OpenOptions::default()).unwrap();
+    assert!(client.character().unwrap().character() == right.character());
+    client.settle();
+    client = client.renewed(&manifest(&stages[0])).unwrap();
+    assert!(client.missing(&all(&stages[0])).unwrap().bytes() > 0);
+}
+
+fn manifest(item: &Item) -> Vec<u8> {
+    item.files().pop().unwrap().1
+}
+
+/// All layers of an item.
+fn all(item: &Item) -> ItemCut {
+    let parts = item.manifest.parts.iter();
+    ItemCut::Layers {
+        kept: parts.map(|part| vec![true; part.layers.len()]).collect(),
+        regions: Regions::default(),
     }
 }
 

@@ -1,17 +1,14 @@
 //! The context of use as flags.
 
 use crate::arguments::{number, settings};
+use crate::commands::device_score::{DeviceScore, device_score};
 use crate::files;
 use anyhow::Context as _;
 use articula::core::{Region, Zone};
-use articula::device::DeviceReport;
 use articula::stream::DescriptionLimits;
-use articula::stream::description::{Benchmark, Context, Modality};
+use articula::stream::description::{Context, Modality};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
-
-/// Name of the benchmark of `--device-score`, which replaces all others.
-const DEVICE: &str = "device";
 
 /// Form in which the character is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -63,24 +60,6 @@ pub(crate) struct ContextArgs {
     modality: Option<ModalityArgument>,
 }
 
-/// How fast the device is.
-#[derive(Debug, Clone, PartialEq)]
-enum DeviceScore {
-    /// In percent of a reference machine.
-    Percent(f64),
-    /// As a benchmark has reported it.
-    Report(PathBuf),
-}
-
-/// Parses a score or the name of a report.
-fn device_score(text: &str) -> Result<DeviceScore, String> {
-    if text.to_lowercase().ends_with(".json") {
-        return Ok(DeviceScore::Report(text.into()));
-    }
-    let what = "a number from 0 on, or a report (.json) of articula bench device";
-    number(text, |n| n >= 0.0, what).map(DeviceScore::Percent)
-}
-
 /// The finest parts that are sent.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FinestParts {
@@ -117,11 +96,8 @@ pub(super) fn limits(text: &str) -> Result<FinestParts, String> {
 impl ContextArgs {
     /// The files of contexts and of the device.
     pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
-        let report = self.device_score.iter().filter_map(|score| match score {
-            DeviceScore::Report(path) => Some(path),
-            DeviceScore::Percent(_) => None,
-        });
-        self.context.iter().chain(report).map(PathBuf::as_path)
+        let report = self.device_score.iter().filter_map(DeviceScore::file);
+        self.context.iter().map(PathBuf::as_path).chain(report)
     }
 
     /// The context of all files, aggregated, with what flags tell.
@@ -131,11 +107,8 @@ impl ContextArgs {
             context = Context::aggregate(&context, &read(path)?);
         }
         self.add_to(&mut context, finest);
-        if let Some(DeviceScore::Report(path)) = &self.device_score {
-            let bytes = files::read(path, DescriptionLimits::default().bytes)?;
-            let report = DeviceReport::read(&bytes).with_context(|| files::shown(path))?;
-            context.terminal.benchmarks.clear();
-            report.add_to(&mut context);
+        if let Some(score) = &self.device_score {
+            score.add_to(&mut context)?;
         }
         Ok(context)
     }
@@ -152,13 +125,6 @@ impl ContextArgs {
         if let Some((width, height)) = self.viewport {
             terminal.width_px = Some(width.into());
             terminal.height_px = Some(height.into());
-        }
-        if let Some(DeviceScore::Percent(score)) = &self.device_score {
-            terminal.benchmarks = vec![Benchmark {
-                name: DEVICE.to_owned(),
-                score: Some(*score),
-                ..Benchmark::default()
-            }];
         }
         let view = &mut context.view;
         set(&mut view.distance_m, self.distance_m);

@@ -5,6 +5,7 @@
 //! - `slider`: a bandwidth that changes over time
 //! - `show`: the loop that shows it
 //! - `monitor`: what is shown, in numbers
+//! - `phase`: the same between two movements of the slider
 //! - `output`, `screen`: where pictures go
 
 mod event;
@@ -13,10 +14,12 @@ mod keys;
 mod link;
 mod monitor;
 mod output;
+mod phase;
 mod screen;
 mod show;
 mod slider;
 
+use crate::commands::device_score::{DeviceScore, device_score};
 use crate::commands::server::Server;
 use crate::console::Console;
 use crate::fault;
@@ -26,6 +29,7 @@ use clap::Args;
 use keys::Keys;
 use monitor::Sample;
 use output::Output;
+use phase::Phase;
 use screen::Screen;
 use serde::Serialize;
 use show::Show;
@@ -51,6 +55,13 @@ pub(crate) struct PlayArgs {
     /// Name of the clip to show [default: the first that arrives]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
+    /// Go on where another session is, by its number on the page of the server: its character, clip and time
+    #[arg(long = "continue", value_name = "N", conflicts_with_all = ["name", "clip"])]
+    session_before: Option<u64>,
+    /// Report of articula bench device, or the score of this device in percent of the reference machine: less is
+    /// fetched that takes less time per frame
+    #[arg(long, value_name = "N|F.json", value_parser = device_score)]
+    device_score: Option<DeviceScore>,
     /// Most bandwidth to use, kbit/s [default: what the network has]; the keys left and right halve and double
     /// it
     #[arg(long, value_name = "KBPS")]
@@ -84,6 +95,9 @@ struct Played {
     pictures: usize,
     /// A moment of each second, and each at which another level was there.
     samples: Vec<Sample>,
+    /// The times between two movements of the slider.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    phases: Vec<Phase>,
 }
 
 /// Fetches a character and shows it.
@@ -91,13 +105,20 @@ pub(crate) fn run(args: &PlayArgs, console: &Console) -> anyhow::Result<()> {
     let start = Instant::now();
     let mut output = args.output(console)?;
     let server = Server::new(&args.url)?;
-    let name = match &args.name {
-        Some(name) => name.clone(),
-        None => server.only_character()?,
+    let before = match args.session_before {
+        Some(number) => Some(server.session(number)?),
+        None => None,
     };
-    let mut client = Client::new(&args.context(), &ClientOptions::default())?;
+    let name = match (&args.name, &before) {
+        (Some(name), _) => name.clone(),
+        (None, Some(before)) => before.name.clone(),
+        (None, None) => server.only_character()?,
+    };
+    let mut client = Client::new(&args.context()?, &ClientOptions::default())?;
     let character = client.add(&name);
-    client.play(character, args.clip.as_deref(), 0.0);
+    let clip = before.as_ref().map_or(&args.clip, |before| &before.clip);
+    let from_secs = before.as_ref().map_or(0.0, |before| before.position_secs);
+    client.play_from(character, clip.as_deref(), from_secs, 0.0);
     let (sender, events) = channel();
     let _keys = match &output {
         Output::Terminal(_) => Keys::start(&sender),
@@ -119,6 +140,7 @@ pub(crate) fn run(args: &PlayArgs, console: &Console) -> anyhow::Result<()> {
         first_picture_secs: shown.first_picture_secs(start)?,
         pictures: shown.pictures,
         samples: shown.samples,
+        phases: shown.phases,
     };
     console.result(&played, |played| {
         let mut text = format!(
@@ -137,6 +159,9 @@ pub(crate) fn run(args: &PlayArgs, console: &Console) -> anyhow::Result<()> {
                 false => String::new(),
             };
             text.push_str(&format!("{:8.2} s  {}{more}\n", sample.secs, sample.line()));
+        }
+        if !played.phases.is_empty() {
+            text.push_str(&phase::table(&played.phases).text());
         }
         text
     })
@@ -158,13 +183,16 @@ impl PlayArgs {
     }
 
     /// What is known of the network and the view.
-    fn context(&self) -> Context {
+    fn context(&self) -> anyhow::Result<Context> {
         let mut context = Context::default();
+        if let Some(score) = &self.device_score {
+            score.add_to(&mut context)?;
+        }
         context.network.available_bps = self.bandwidth_kbps.map(|kbps| 1e3 * kbps);
         context.view.distance_m = self.distance_m.map(f64::from);
         // Pictures of it in 2D are not shown here.
         context.terminal.codecs = ["ams", "abp2", "afp2"].map(str::to_owned).to_vec();
-        context
+        Ok(context)
     }
 
     /// Seconds to show; `None` until the program is ended.

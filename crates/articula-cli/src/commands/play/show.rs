@@ -5,11 +5,13 @@ use super::fetch::Fetchers;
 use super::link::Link;
 use super::monitor::Sample;
 use super::output::Output;
+use super::phase::Phase;
 use super::slider::Slider;
 use crate::commands::server::Server;
+use crate::fault::clean;
 use anyhow::{Context as _, anyhow, bail};
 use articula::Figure;
-use articula::client::{Client, ClientAnswer};
+use articula::client::{Client, ClientAnswer, ClientCharacter};
 use articula_report::{Artist, thread_ns};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
@@ -58,6 +60,8 @@ pub(super) struct Shown {
     pub(super) pictures: usize,
     /// A moment of each second, and each at which another level was there.
     pub(super) samples: Vec<Sample>,
+    /// The times between two movements of the slider.
+    pub(super) phases: Vec<Phase>,
 }
 
 /// What changes while it is shown.
@@ -67,6 +71,8 @@ struct State {
     last: Instant,
     /// Time, bytes and pictures at the last sample.
     sampled: (Instant, u64, usize),
+    /// What the last picture showed.
+    picture: Option<Sample>,
     /// Mean time of a picture, nanoseconds.
     frame_ns: f64,
     has_monitor: bool,
@@ -94,9 +100,11 @@ impl Show<'_> {
                 first_picture: None,
                 pictures: 0,
                 samples: Vec::new(),
+                phases: Vec::new(),
             },
             last: self.start,
             sampled: (self.start, 0, 0),
+            picture: None,
             frame_ns: 0.0,
             has_monitor: self.has_monitor,
             is_over: false,
@@ -175,6 +183,10 @@ impl Show<'_> {
         let bytes = sample.shown.bytes.saturating_sub(state.sampled.1);
         sample.bytes_per_second = bytes as f64 / elapsed.max(1e-3);
         sample.fps = (state.shown.pictures - state.sampled.2) as f64 / elapsed.max(1e-3);
+        if let Some(phase) = state.shown.phases.last_mut() {
+            phase.add(&sample, ns / 1e6);
+        }
+        state.picture = Some(sample.clone());
         let is_news = before.is_none_or(|before| {
             (before.shown.level, before.shown.is_complete)
                 != (sample.shown.level, sample.shown.is_complete)
@@ -201,7 +213,7 @@ impl Show<'_> {
     }
 
     /// Moves the slider of the bandwidth.
-    fn slide(&mut self, state: &State) -> anyhow::Result<()> {
+    fn slide(&mut self, state: &mut State) -> anyhow::Result<()> {
         let Some(slider) = self.slider else {
             return Ok(());
         };
@@ -210,6 +222,11 @@ impl Show<'_> {
             .first_picture
             .map_or(0.0, |first| first.elapsed().as_secs_f64());
         let bps = slider.at(secs);
+        let last = state.shown.phases.last();
+        if last.is_none_or(|last| last.slider_bps != bps) {
+            let phase = Phase::new(secs, bps, state.picture.as_ref());
+            state.shown.phases.push(phase);
+        }
         if bps != self.client.context().network.available_bps {
             let mut context = self.client.context().clone();
             context.network.available_bps = bps;
@@ -278,6 +295,10 @@ impl Show<'_> {
             Event::Fault(id, _) => self.client.answer(id, ClientAnswer::Failed, now)?,
             Event::Message(message) => {
                 let answer = self.client.take(message, now)?;
+                let of = self.client.character(0);
+                if let Some(fault) = of.and_then(ClientCharacter::fault) {
+                    bail!(clean(fault));
+                }
                 if let Network::Session { link, tries, .. } = network {
                     *tries = 0;
                     answer.into_iter().for_each(|answer| link.send(answer));
