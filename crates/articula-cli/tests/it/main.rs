@@ -58,6 +58,7 @@ mod retargeting;
 mod serving;
 mod sizes;
 mod skinned_files;
+mod soak;
 mod streams;
 #[path = "../../../articula-formats/tests/it/thinned/mod.rs"]
 mod thinned;

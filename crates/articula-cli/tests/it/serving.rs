@@ -18,6 +18,13 @@ impl Drop for Server {
     }
 }
 
+impl Server {
+    /// Number of the process.
+    pub(crate) fn id(&self) -> u32 {
+        self.0.id()
+    }
+}
+
 /// A server of a folder, with its address.
 pub(crate) fn started(folder: &Path, arguments: &[&str]) -> (Server, String) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_articula"))

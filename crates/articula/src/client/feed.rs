@@ -207,10 +207,8 @@ impl Feed {
                 ..self.statistics
             });
         }
-        for character in 0..self.characters.len() {
-            if let Some(told) = self.tell(character) {
-                return told;
-            }
+        if let Some(told) = self.tell_next() {
+            return told;
         }
         let tick = self.told_secs + STATISTICS_SECS;
         let ready = self.pace.ready_secs();
@@ -219,7 +217,8 @@ impl Feed {
         }
         let bandwidth = self.bandwidth();
         let Some(increment) = self.planner.next(now_secs, bandwidth) else {
-            return FeedNext::Wait(tick);
+            // It may just have decided that this was all.
+            return self.tell_next().unwrap_or(FeedNext::Wait(tick));
         };
         let bytes = increment.range.end - increment.range.start;
         self.pace.spend(bytes, now_secs);
@@ -236,6 +235,11 @@ impl Feed {
             // A file without a hash: the plan of an item of the old form.
             _ => FeedNext::Wait(now_secs),
         }
+    }
+
+    /// What the client is still to be told.
+    fn tell_next(&mut self) -> Option<FeedNext> {
+        (0..self.characters.len()).find_map(|character| self.tell(character))
     }
 
     /// What the client is still to be told of a character.

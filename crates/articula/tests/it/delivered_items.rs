@@ -212,6 +212,8 @@ fn serve(item: &Item, feed: &mut Feed, client: &mut Client, sent: &mut Sent, mos
                 return true;
             }
             FeedNext::Wait(until) => {
+                let bound = feed.context_of(0).network.available_bps;
+                assert!(bound.is_some(), "nothing to wait for");
                 now = until.max(now + 0.01);
                 client.frame(now, 0.01).unwrap();
                 if let Some(update) = client.update(now) {
@@ -533,7 +535,8 @@ fn a_client_that_asks_for_a_form_in_2d_gets_it_alone_until_it_asks_for_the_figur
     flat.preferences.modality = Some(Modality::Vector);
     flat.network.available_bps = Some(1e6);
     let form = &item.manifest.flat[0];
-    let all = [(form.file.clone(), Vec::from([0..form.bytes]))];
+    let whole: Vec<Range<u64>> = std::iter::once(0..form.bytes).collect();
+    let all = [(form.file.clone(), whole)];
 
     // Over HTTP.
     let (mut client, character) = client();
