@@ -30,11 +30,11 @@ impl Answer<'_> {
         let range = text(request, RANGE);
         let mut short = None;
         // A part is one of the bytes as they are.
-        if range.is_none() && takes_brotli(request) {
-            short = load(Coding::Brotli)?;
+        if let Some((coding, word)) = coding(request).filter(|_| range.is_none()) {
+            short = load(coding)?.map(|short| (short, word));
         }
         let tag = match short {
-            Some(_) => format!("\"{}-br\"", self.name.as_str()),
+            Some((_, word)) => format!("\"{}-{word}\"", self.name.as_str()),
             None => format!("\"{}\"", self.name.as_str()),
         };
         let is_known = text(request, IF_NONE_MATCH)
@@ -55,11 +55,11 @@ impl Answer<'_> {
             return Ok(Some((StatusCode::NOT_MODIFIED, headers).into_response()));
         }
         put(CONTENT_TYPE, self.media_type);
-        if short.is_some() {
-            put(CONTENT_ENCODING, "br");
+        if let Some((_, word)) = short {
+            put(CONTENT_ENCODING, word);
         }
         let whole = match short {
-            Some(short) => short,
+            Some((short, _)) => short,
             None => match load(Coding::Identity)? {
                 Some(whole) => whole,
                 None => return Ok(None),
@@ -95,17 +95,21 @@ fn matches(known: &str, tag: &str) -> bool {
     known == "*" || known.strip_prefix("W/").unwrap_or(known) == tag
 }
 
-/// Whether a request takes `br`.
-fn takes_brotli(request: &HeaderMap) -> bool {
+/// The coding in which a request gets what is shorter so, with its word: `br` before `gzip`.
+fn coding(request: &HeaderMap) -> Option<(Coding, &'static str)> {
     let codings = text(request, ACCEPT_ENCODING).unwrap_or_default();
-    codings.split(',').any(|coding| {
-        let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));
-        let quality = quality
-            .trim()
-            .strip_prefix("q=")
-            .map_or(1.0, |q| q.parse().unwrap_or(0.0));
-        name.trim().eq_ignore_ascii_case("br") && quality > 0.0
-    })
+    let takes = |word: &str| {
+        codings.split(',').any(|coding| {
+            let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));
+            let quality = quality
+                .trim()
+                .strip_prefix("q=")
+                .map_or(1.0, |q| q.parse().unwrap_or(0.0));
+            name.trim().eq_ignore_ascii_case(word) && quality > 0.0
+        })
+    };
+    let known = [(Coding::Brotli, "br"), (Coding::Gzip, "gzip")];
+    known.into_iter().find(|(_, word)| takes(word))
 }
 
 #[cfg(test)]
@@ -117,10 +121,17 @@ mod tests {
         let takes = |value: &str| {
             let mut headers = HeaderMap::new();
             headers.insert(ACCEPT_ENCODING, HeaderValue::from_str(value).unwrap());
-            takes_brotli(&headers)
+            coding(&headers).map(|(_, word)| word)
         };
-        assert!(takes("br") && takes("gzip, BR;q=0.5") && takes("gzip;q=1.0 , br"));
-        assert!(!takes("gzip") && !takes("br;q=0") && !takes("brotli") && !takes(""));
+        for value in ["br", "gzip, BR;q=0.5", "gzip;q=1.0 , br"] {
+            assert_eq!(takes(value), Some("br"), "{value}");
+        }
+        for value in ["gzip", "deflate, gzip", "br;q=0, gzip"] {
+            assert_eq!(takes(value), Some("gzip"), "{value}");
+        }
+        for value in ["br;q=0", "brotli", "gzip;q=0.0", "", "identity"] {
+            assert_eq!(takes(value), None, "{value}");
+        }
         assert!(matches("\"a\"", "\"a\"") && matches(" W/\"a\"", "\"a\"") && matches("*", "\"a\""));
         assert!(!matches("\"a-br\"", "\"a\""));
     }

@@ -10,7 +10,7 @@ use crate::record::{Records, Served, read};
 use crate::sessions::Sessions;
 use articula::Format;
 use serde::Serialize;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock};
 use tokio::sync::{Semaphore, watch};
@@ -168,6 +168,27 @@ impl Catalogue {
         self.add(name.to_owned(), file)
     }
 
+    /// Removes a character and its file; returns whether there was one. What is made of it stays until the next
+    /// server begins, as the same file may come again.
+    ///
+    /// # Errors
+    /// [`ServeError::Store`] if the file cannot be removed; the character stays then.
+    pub fn remove(&self, name: &str) -> Result<bool, ServeError> {
+        let mut characters = self
+            .0
+            .characters
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        let Some(known) = characters.get(name) else {
+            return Ok(false);
+        };
+        remove(&known.file)?;
+        characters.remove(name);
+        drop(characters);
+        self.0.news.send_modify(|count| *count += 1);
+        Ok(true)
+    }
+
     fn add(&self, name: String, file: PathBuf) -> Result<CharacterState, ServeError> {
         let source = read(&file)?.unwrap_or_default();
         let served = self.0.records.get(&source, &self.0.objects)?;
@@ -285,6 +306,19 @@ impl Catalogue {
 
     pub(crate) fn objects(&self) -> &Objects {
         &self.0.objects
+    }
+
+    /// The records of the sources of all characters, whether they are there or not.
+    pub(crate) fn record_files(&self) -> Result<BTreeSet<PathBuf>, ServeError> {
+        let sources: Vec<PathBuf> = {
+            let characters = read_lock(&self.0.characters);
+            characters.values().map(|c| c.file.clone()).collect()
+        };
+        let path = |file: PathBuf| {
+            let source = read(&file)?.unwrap_or_default();
+            Ok(self.0.records.path(&source))
+        };
+        sources.into_iter().map(path).collect()
     }
 
     pub(crate) fn records(&self) -> &Records {

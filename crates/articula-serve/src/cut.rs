@@ -4,7 +4,7 @@
 
 use crate::answer::Answer;
 use crate::catalogue::Catalogue;
-use crate::made::{NotMade, made, whole};
+use crate::made::{CUT, NotMade, made, whole};
 use crate::objects::ObjectName;
 use crate::page::path_of;
 use crate::query::{Parameters, Refusal};
@@ -56,7 +56,7 @@ async fn cut(
                 Ok(Served::store(&adapted, objects)?.name)
             },
         );
-        let name = made(&catalogue, served, ("cut", &canonical), make).await?;
+        let name = made(&catalogue, served, (CUT, &canonical), make).await?;
         let answer = Answer {
             name: &name,
             media_type: "application/json",

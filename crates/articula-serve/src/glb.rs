@@ -3,7 +3,7 @@
 use crate::answer::Answer;
 use crate::catalogue::Catalogue;
 use crate::cut::{LOA, Pairs, Wanted, clips, coarsest, elsewhere, pairs_of};
-use crate::made::{NotMade, made, whole};
+use crate::made::{GLB, NotMade, made, whole};
 use crate::objects::{Coding, ObjectName, Objects};
 use crate::query::{Parameters, Refusal, unknown_word};
 use crate::reply::{CHANGING, stored};
@@ -51,7 +51,7 @@ pub(crate) async fn answer(
         }
         let open = catalogue.options().open.clone();
         let make = Box::new(move |item: &Item, objects: &_| wanted.stored(item, &open, objects));
-        let name = made(catalogue, served, ("glb", &canonical), make).await?;
+        let name = made(catalogue, served, (GLB, &canonical), make).await?;
         let answer = Answer {
             name: &name,
             media_type: "model/gltf-binary",

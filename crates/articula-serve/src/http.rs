@@ -56,7 +56,10 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
     axum::Router::new()
         .route("/", get(page))
         .route("/v1/characters", get(characters))
-        .route("/v1/characters/{name}", put(put_character).get(character))
+        .route(
+            "/v1/characters/{name}",
+            put(put_character).get(character).delete(remove_character),
+        )
         .route("/v1/characters/{name}/manifest.json", get(manifest))
         .route("/v1/characters/{name}/{*file}", get(file))
         .route("/v1/o/{hash}", get(object))
@@ -159,14 +162,8 @@ async fn put_character(
     headers: HeaderMap,
     body: Body,
 ) -> Response {
-    if catalogue.options().read_only {
-        return fault(StatusCode::FORBIDDEN, "this server takes no characters");
-    }
-    if !is_allowed(&catalogue, &headers) {
-        return fault(
-            StatusCode::UNAUTHORIZED,
-            "Authorization: Bearer TOKEN is missing or wrong",
-        );
+    if let Some(refused) = refused(&catalogue, &headers) {
+        return refused;
     }
     let places = catalogue.clone();
     let Ok(_place) = places.uploads().try_acquire() else {
@@ -184,6 +181,31 @@ async fn put_character(
         Ok(report) => (StatusCode::ACCEPTED, Json(report)).into_response(),
         Err(error) => error.into_response(),
     }
+}
+
+async fn remove_character(
+    State(catalogue): State<Catalogue>,
+    Path(name): Path<String>,
+    headers: HeaderMap,
+) -> Response {
+    if let Some(refused) = refused(&catalogue, &headers) {
+        return refused;
+    }
+    match blocking(move || catalogue.remove(&name)).await {
+        Ok(true) => StatusCode::NO_CONTENT.into_response(),
+        Ok(false) => unknown("character"),
+        Err(error) => error.into_response(),
+    }
+}
+
+/// The answer to who may not change the characters.
+fn refused(catalogue: &Catalogue, headers: &HeaderMap) -> Option<Response> {
+    if catalogue.options().read_only {
+        let what = "the characters of this server do not change";
+        return Some(fault(StatusCode::FORBIDDEN, what));
+    }
+    let what = "Authorization: Bearer TOKEN is missing or wrong";
+    (!is_allowed(catalogue, headers)).then(|| fault(StatusCode::UNAUTHORIZED, what))
 }
 
 /// How a request for a manifest waits.

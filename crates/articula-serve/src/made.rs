@@ -12,7 +12,6 @@ use articula::item::Item;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -88,11 +87,27 @@ pub(crate) fn whole(catalogue: &Catalogue, name: &str) -> Result<Served, NotMade
     }
 }
 
-/// Which object a query made.
+/// Which object a query made of an item.
 #[derive(Debug, Serialize, Deserialize)]
-struct Record {
-    object: String,
+pub(crate) struct Record {
+    pub(crate) object: String,
+    /// The manifest of the item.
+    pub(crate) item: String,
+    /// `cut` or `glb`.
+    form: String,
 }
+
+impl Record {
+    /// The object, if it is the manifest of a cut.
+    pub(crate) fn manifest(&self) -> Option<ObjectName> {
+        let is_cut = self.form == CUT;
+        ObjectName::parse(&self.object).filter(|_| is_cut)
+    }
+}
+
+/// The form of a query for a cut, and for a GLB.
+pub(crate) const CUT: &str = "cut";
+pub(crate) const GLB: &str = "glb";
 
 /// What a query makes of an item.
 pub(crate) type Make = dyn FnOnce(&Item, &Objects) -> Result<ObjectName, NotMade> + Send;
@@ -102,7 +117,7 @@ pub(crate) type Make = dyn FnOnce(&Item, &Objects) -> Result<ObjectName, NotMade
 pub(crate) async fn made(
     catalogue: &Catalogue,
     served: Served,
-    (form, query): (&str, &str),
+    (form, query): (&'static str, &str),
     make: Box<Make>,
 ) -> Result<ObjectName, NotMade> {
     let how = format!(
@@ -136,7 +151,14 @@ pub(crate) async fn made(
         let work = move || {
             let object = make(&served.item(of.objects())?, of.objects())?;
             Metrics::add(&of.metrics().made, 1);
-            record(&of.made().path(&key), &object)?;
+            let record = Record {
+                object: object.as_str().to_owned(),
+                item: served.name.as_str().to_owned(),
+                form: form.to_owned(),
+            };
+            // Texts cannot fail.
+            let text = serde_json::to_vec(&record).unwrap_or_default();
+            write(&of.made().path(&key), &text)?;
             of.made().kept.fetch_add(1, Ordering::Relaxed);
             Ok(object)
         };
@@ -164,12 +186,4 @@ async fn recorded(catalogue: &Catalogue, key: &str) -> Result<Option<ObjectName>
         Ok(there.map(|_| object))
     })
     .await
-}
-
-fn record(path: &Path, object: &ObjectName) -> Result<(), ServeError> {
-    let record = Record {
-        object: object.as_str().to_owned(),
-    };
-    // A text cannot fail.
-    write(path, &serde_json::to_vec(&record).unwrap_or_default())
 }

@@ -17,6 +17,7 @@ pub(crate) struct Metrics {
     pub(crate) failed: AtomicU64,
     pub(crate) recent: AtomicU64,
     pub(crate) made: AtomicU64,
+    pub(crate) swept: AtomicU64,
     pub(crate) sessions: AtomicU64,
     pub(crate) increments: AtomicU64,
     pub(crate) session_bytes: AtomicU64,
@@ -68,6 +69,11 @@ impl Metrics {
                 "made",
                 "Files and cuts that were made by query.",
                 &self.made,
+            ),
+            (
+                "swept",
+                "Files that were removed since nothing named them any more.",
+                &self.swept,
             ),
             ("sessions", "Sessions that were opened.", &self.sessions),
             (

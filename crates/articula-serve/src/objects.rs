@@ -4,10 +4,13 @@
 use crate::error::ServeError;
 use articula::item::decompressed;
 use axum::body::Bytes;
+use flate2::Compression;
+use flate2::read::GzDecoder;
+use flate2::write::GzEncoder;
 use quick_cache::sync::{Cache, DefaultLifecycle};
 use quick_cache::{DefaultHashBuilder, OptionsBuilder, Weighter};
 use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -39,6 +42,9 @@ pub(crate) enum Coding {
     Identity,
     /// Compressed, as `Content-Encoding: br` (RFC 7932).
     Brotli,
+    /// Compressed, as `Content-Encoding: gzip` (RFC 1952): for browsers, which take `br` over HTTPS and from their
+    /// own machine alone. Made when it is first asked for.
+    Gzip,
 }
 
 /// Number of objects that are expected in memory, and what each takes beyond its bytes.
@@ -120,7 +126,7 @@ impl Objects {
     pub(crate) fn recent(&self, name: &ObjectName, coding: Coding) -> Option<Option<Bytes>> {
         let known = self.recent.get(&(name.clone(), coding))?;
         // No form of an object that is compressed is empty.
-        let is_none = coding == Coding::Brotli && known.is_empty();
+        let is_none = coding != Coding::Identity && known.is_empty();
         Some((!is_none).then_some(known))
     }
 
@@ -140,10 +146,7 @@ impl Objects {
         let bytes = match fs::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == ErrorKind::NotFound => {
-                if coding == Coding::Brotli && self.has(name) {
-                    self.recent.insert((name.clone(), coding), Bytes::new());
-                }
-                return Ok(None);
+                return self.without(name, coding);
             }
             Err(error) => return Err(ServeError::store(&path, &error)),
         };
@@ -152,6 +155,7 @@ impl Objects {
             Coding::Brotli => decompressed(&bytes, MOST_BYTES)
                 .ok()
                 .map(|whole| ObjectName::of(&whole)),
+            Coding::Gzip => unzipped(&bytes).map(|whole| ObjectName::of(&whole)),
         };
         if hash.as_ref() != Some(name) {
             let what = "its bytes are not those of its name; remove the folder .articula, all is made anew";
@@ -162,13 +166,46 @@ impl Objects {
         Ok(Some(bytes))
     }
 
+    /// An object of which there is no file in a coding.
+    fn without(&self, name: &ObjectName, coding: Coding) -> Result<Option<Bytes>, ServeError> {
+        // What `br` makes shorter, `gzip` does.
+        if coding == Coding::Gzip
+            && self.get(name, Coding::Brotli)?.is_some()
+            && let Some(whole) = self.get(name, Coding::Identity)?
+        {
+            let short = Bytes::from(zipped(&whole));
+            // A store that takes nothing is served nevertheless.
+            let _ = write(&self.path(name, coding), &short);
+            self.recent.insert((name.clone(), coding), short.clone());
+            return Ok(Some(short));
+        }
+        if coding != Coding::Identity && self.has(name) {
+            self.recent.insert((name.clone(), coding), Bytes::new());
+        }
+        Ok(None)
+    }
+
     fn path(&self, name: &ObjectName, coding: Coding) -> PathBuf {
         let file = match coding {
             Coding::Identity => name.0.clone(),
             Coding::Brotli => format!("{}.br", name.0),
+            Coding::Gzip => format!("{}.gz", name.0),
         };
         self.folder.join(&name.0[..2]).join(file)
     }
+}
+
+fn zipped(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    // Memory takes all.
+    let _ = encoder.write_all(bytes);
+    encoder.finish().unwrap_or_default()
+}
+
+fn unzipped(bytes: &[u8]) -> Option<Vec<u8>> {
+    let mut whole = Vec::new();
+    let mut decoder = GzDecoder::new(bytes).take(MOST_BYTES);
+    decoder.read_to_end(&mut whole).ok().map(|_| whole)
 }
 
 /// Numbers the files that are being written.
@@ -241,6 +278,7 @@ mod tests {
                 let found = |coding| objects.get(&name, coding).unwrap().unwrap();
                 assert_eq!(found(Coding::Identity), walk);
                 assert_eq!(found(Coding::Brotli), short);
+                assert_eq!(unzipped(&found(Coding::Gzip)).unwrap(), walk);
             }
             assert_eq!(
                 objects.recent(&name, Coding::Identity).is_some(),
@@ -255,7 +293,11 @@ mod tests {
         let objects = Objects::new(folder.path().to_owned(), 1 << 20);
         let walk = b"walk ".repeat(50);
         let name = ObjectName::of(&walk);
-        for (coding, wrong) in [(Coding::Identity, &b"other"[..]), (Coding::Brotli, b"walk")] {
+        for (coding, wrong) in [
+            (Coding::Identity, &b"other"[..]),
+            (Coding::Brotli, b"walk"),
+            (Coding::Gzip, b"walk"),
+        ] {
             objects.put(&name, coding, wrong).unwrap();
             let error = objects.get(&name, coding).unwrap_err().to_string();
             assert!(error.contains("not those of its name"), "{error}");
@@ -263,6 +305,7 @@ mod tests {
             let right = match coding {
                 Coding::Identity => walk.clone(),
                 Coding::Brotli => articula::item::compressed("a.txt", &walk).unwrap(),
+                Coding::Gzip => zipped(&walk),
             };
             objects.put(&name, coding, &right).unwrap();
             assert_eq!(objects.get(&name, coding).unwrap().unwrap(), right);

@@ -4,6 +4,7 @@ use crate::catalogue::{Catalogue, Progress, Waiting};
 use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::record::{Served, read};
+use crate::sweep::sweep;
 use articula::item::package_in_stages;
 use articula::{Error, Executor, Job, Step, open};
 use rayon::prelude::*;
@@ -24,7 +25,12 @@ pub struct Preparation {
 impl Preparation {
     /// Starts the threads, as many as the options say. Each packages one character after the other, so that
     /// a small one need not wait for a large one.
+    ///
+    /// Before that, files that nothing names any more are removed from the folder.
     pub fn start(catalogue: Catalogue) -> Self {
+        // What cannot be removed is in nobody's way.
+        let swept = sweep(&catalogue).unwrap_or_default();
+        Metrics::add(&catalogue.metrics().swept, swept);
         let is_over = Arc::new(AtomicBool::new(false));
         let start = |_| {
             let (catalogue, is_over) = (catalogue.clone(), Arc::clone(&is_over));

@@ -140,7 +140,8 @@ impl Records {
         write(&self.path(source), &text)
     }
 
-    fn path(&self, source: &[u8]) -> PathBuf {
+    /// The file of the record of a source.
+    pub(crate) fn path(&self, source: &[u8]) -> PathBuf {
         let mut hasher = blake3::Hasher::new();
         hasher.update(blake3::hash(source).as_bytes());
         hasher.update(self.how.as_bytes());

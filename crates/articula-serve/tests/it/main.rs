@@ -16,6 +16,7 @@ mod queries;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 mod refusals;
+mod removal;
 mod sessions;
 mod slow;
 mod stages;

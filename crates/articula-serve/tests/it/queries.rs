@@ -10,7 +10,7 @@ use articula::stream::description::Context;
 use articula::{CharacterFile, OpenOptions, open};
 
 /// Waits until all of a character is made.
-fn ready(server: &Server, name: &str) -> Manifest {
+pub(crate) fn ready(server: &Server, name: &str) -> Manifest {
     let path = format!("/v1/characters/{name}/manifest.json");
     let mut tag = String::new();
     loop {
@@ -48,7 +48,7 @@ fn morphs(file: &CharacterFile) -> Vec<&str> {
     names.map(String::as_str).collect()
 }
 
-fn counter(server: &Server, name: &str) -> u64 {
+pub(crate) fn counter(server: &Server, name: &str) -> u64 {
     let text = String::from_utf8(server.get("/metrics", &[]).body).unwrap();
     let line = text.lines().find_map(|line| line.strip_prefix(name));
     line.unwrap().trim().parse().unwrap()

@@ -49,7 +49,10 @@ fn what_is_not_there_or_not_allowed_is_refused() {
         assert_eq!(status, 400, "{name}");
     }
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
-    assert_eq!(server.request("DELETE", path, &[], b"").status, 405);
+    assert_eq!(server.request("DELETE", path, &[], b"").status, 401);
+    let headers = [("Authorization", token)];
+    assert_eq!(server.request("DELETE", path, &headers, b"").status, 404);
+    assert_eq!(server.request("POST", path, &headers, b"").status, 405);
     assert_eq!(server.get("/v1/characters", &[]).body, b"[]");
 }
 

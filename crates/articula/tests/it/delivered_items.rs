@@ -222,7 +222,12 @@ fn serve(item: &Item, feed: &mut Feed, client: &mut Client, sent: &mut Sent, mos
             }
         }
     }
-    // The connection ends before the last message comes.
+    lose(item, messages, sent);
+    false
+}
+
+/// A connection ends before the last messages come.
+fn lose(item: &Item, messages: Vec<ServerMessage>, sent: &mut Sent) {
     for message in messages {
         if let ServerMessage::Bytes {
             file,
@@ -241,7 +246,6 @@ fn serve(item: &Item, feed: &mut Feed, client: &mut Client, sent: &mut Sent, mos
             sent.lose(name, &(offset..offset + bytes));
         }
     }
-    false
 }
 
 #[test]

@@ -1,0 +1,106 @@
+//! Removes what nothing names any more: records of sources that are gone, what queries made of their items, objects.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the store is a folder, and files have ages"
+)]
+
+use crate::catalogue::Catalogue;
+use crate::error::ServeError;
+use crate::made::Record;
+use crate::objects::{Coding, remove};
+use crate::record::read;
+use articula::item::Manifest;
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+/// Age from which files are removed: younger ones may be those of another server on the folder.
+const AGE: Duration = Duration::from_secs(3600);
+
+/// Removes it, and returns the number of files. Not while characters are packaged: what was left of one before
+/// comes into use again.
+pub(crate) fn sweep(catalogue: &Catalogue) -> Result<u64, ServeError> {
+    if catalogue.options().read_only {
+        return Ok(0);
+    }
+    let mut removed = 0;
+    let mut drop_old = |path: &Path| {
+        removed += u64::from(is_old(path) && remove(path).is_ok());
+    };
+    let mut objects = BTreeSet::new();
+    let mut items = BTreeSet::new();
+    for (_, state) in catalogue.states() {
+        if let Some(served) = state.served {
+            items.insert(served.name.as_str().to_owned());
+            objects.extend(served.files.into_values().map(|of| of.as_str().to_owned()));
+        }
+    }
+    objects.extend(items.iter().cloned());
+    let records = catalogue.record_files()?;
+    for path in files(&catalogue.folder("items"))? {
+        if !records.contains(&path) {
+            drop_old(&path);
+        }
+    }
+    for path in files(&catalogue.folder("queries"))? {
+        let text = read(&path)?.unwrap_or_default();
+        match serde_json::from_slice::<Record>(&text) {
+            Ok(record) if items.contains(&record.item) => {
+                objects.extend(named(catalogue, &record));
+                objects.insert(record.object);
+            }
+            _ => drop_old(&path),
+        }
+    }
+    for folder in entries(&catalogue.folder("objects"))? {
+        for path in files(&folder)? {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy();
+            if !objects.contains(&*name) {
+                drop_old(&path);
+            }
+        }
+    }
+    Ok(removed)
+}
+
+/// The objects of the manifest that a query made, if that is what it made.
+fn named(catalogue: &Catalogue, record: &Record) -> Vec<String> {
+    let manifest = record.manifest().and_then(|name| {
+        let bytes = catalogue.objects().get(&name, Coding::Identity);
+        serde_json::from_slice::<Manifest>(&bytes.ok()??).ok()
+    });
+    let files = manifest.into_iter().flat_map(|of| of.files.into_values());
+    files.map(|entry| entry.hash).collect()
+}
+
+fn is_old(path: &Path) -> bool {
+    let written = fs::metadata(path).and_then(|of| of.modified());
+    let age = written.map(|written| SystemTime::now().duration_since(written));
+    matches!(age, Ok(Ok(age)) if age >= AGE)
+}
+
+/// What is in a folder; nothing if there is none.
+fn entries(folder: &Path) -> Result<Vec<PathBuf>, ServeError> {
+    let fault = |error: std::io::Error| ServeError::store(folder, &error);
+    let found = match fs::read_dir(folder) {
+        Ok(found) => found,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(fault(error)),
+    };
+    found
+        .map(|entry| entry.map(|entry| entry.path()).map_err(fault))
+        .collect()
+}
+
+fn files(folder: &Path) -> Result<Vec<PathBuf>, ServeError> {
+    match folder.is_file() {
+        true => Ok(Vec::new()),
+        false => {
+            let mut found = entries(folder)?;
+            found.retain(|path| path.is_file());
+            Ok(found)
+        }
+    }
+}
