@@ -14,7 +14,7 @@ pub enum ServeError {
         what: String,
     },
     /// The store has no space.
-    #[error("{place}: the disk is full; free space")]
+    #[error("{place}: the disk, or what may be used of it, is full; free space")]
     Full {
         /// The file or folder.
         place: String,
@@ -41,7 +41,10 @@ impl ServeError {
         use std::io::ErrorKind;
         let place = place.display().to_string();
         let what = match error.kind() {
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => return Self::Full { place },
+            // A limit of a process or of a file system is one of space too.
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
+                return Self::Full { place };
+            }
             ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => {
                 "no permission to write here; serve it with --read-only".to_owned()
             }
