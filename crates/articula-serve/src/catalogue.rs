@@ -6,8 +6,9 @@ use crate::metrics::Metrics;
 use crate::objects::{Objects, remove, write};
 use crate::options::ServeOptions;
 use crate::plans::Plans;
-use crate::record::{Records, Served, read};
+use crate::record::{Records, Served};
 use crate::sessions::Sessions;
+use crate::source::Source;
 use articula::Format;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -190,7 +191,7 @@ impl Catalogue {
     }
 
     fn add(&self, name: String, file: PathBuf) -> Result<CharacterState, ServeError> {
-        let source = read(&file)?.unwrap_or_default();
+        let source = Source::read(&file)?;
         let served = self.0.records.get(&source, &self.0.objects)?;
         let progress = match (&served, self.0.options.read_only) {
             (Some(_), _) => Progress::Ready,
@@ -315,7 +316,7 @@ impl Catalogue {
             characters.values().map(|c| c.file.clone()).collect()
         };
         let path = |file: PathBuf| {
-            let source = read(&file)?.unwrap_or_default();
+            let source = Source::read(&file)?;
             Ok(self.0.records.path(&source))
         };
         sources.into_iter().map(path).collect()

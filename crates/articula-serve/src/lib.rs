@@ -64,6 +64,7 @@ mod record;
 mod reply;
 mod session;
 mod sessions;
+mod source;
 mod sweep;
 mod upload;
 mod watcher;

@@ -3,9 +3,10 @@
 use crate::catalogue::{Catalogue, Progress, Waiting};
 use crate::error::ServeError;
 use crate::metrics::Metrics;
-use crate::record::{Served, read};
+use crate::record::Served;
+use crate::source::Source;
 use crate::sweep::sweep;
-use articula::item::package_in_stages;
+use articula::item::{PackageOptions, package_in_stages};
 use articula::{Error, Executor, Job, Step, open};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -83,14 +84,14 @@ fn packaged(
     is_over: &AtomicBool,
 ) -> Result<Served, ServeError> {
     let options = catalogue.options();
-    let source = read(&waiting.file)?.unwrap_or_default();
+    let source = Source::read(&waiting.file)?;
     let file_name = waiting
         .file
         .file_name()
         .unwrap_or_default()
         .to_string_lossy();
     let mut nothing = |_: &str| Err("a served character holds all its data".to_owned());
-    let opened = open(&source, &file_name, &options.open, &mut nothing)?;
+    let opened = open(&source.figure, &file_name, &options.open, &mut nothing)?;
     let on_step = |_: Step| match is_over.load(Ordering::Acquire) {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
@@ -101,7 +102,11 @@ fn packaged(
         let served = Served::store(item, catalogue.objects());
         served.map_err(|error| Error::Io(error.to_string()))
     };
-    let item = package_in_stages(opened, &options.package, &work, &mut |stage| {
+    let package = PackageOptions {
+        with: [&options.package.with[..], &source.with].concat(),
+        ..options.package.clone()
+    };
+    let item = package_in_stages(opened, &package, &work, &mut |stage| {
         let served = stored(stage)?;
         Metrics::add(&catalogue.metrics().stages, 1);
         catalogue.set(waiting, Progress::Packaging, Some(served));

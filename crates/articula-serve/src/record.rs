@@ -3,6 +3,7 @@
 use crate::error::ServeError;
 use crate::objects::{Coding, ObjectName, Objects, write};
 use crate::options::ServeOptions;
+use crate::source::Source;
 use articula::formats::Limits;
 use articula::item::{FileEntry, Item, MANIFEST, Manifest, compressed};
 use serde::{Deserialize, Serialize};
@@ -111,7 +112,7 @@ impl Records {
     /// Returns the item of a source, if it was packaged and all of its manifest is there.
     pub(crate) fn get(
         &self,
-        source: &[u8],
+        source: &Source,
         objects: &Objects,
     ) -> Result<Option<Served>, ServeError> {
         let Some(record) = read(&self.path(source))? else {
@@ -131,7 +132,7 @@ impl Records {
     }
 
     /// Records that a source was packaged.
-    pub(crate) fn put(&self, source: &[u8], served: &Served) -> Result<(), ServeError> {
+    pub(crate) fn put(&self, source: &Source, served: &Served) -> Result<(), ServeError> {
         let record = Record {
             manifest: served.name.as_str().to_owned(),
         };
@@ -141,9 +142,9 @@ impl Records {
     }
 
     /// The file of the record of a source.
-    pub(crate) fn path(&self, source: &[u8]) -> PathBuf {
+    pub(crate) fn path(&self, source: &Source) -> PathBuf {
         let mut hasher = blake3::Hasher::new();
-        hasher.update(blake3::hash(source).as_bytes());
+        hasher.update(source.hash().as_bytes());
         hasher.update(self.how.as_bytes());
         self.folder
             .join(format!("{}.json", hasher.finalize().to_hex()))

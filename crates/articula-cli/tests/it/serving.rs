@@ -150,15 +150,22 @@ fn a_served_character_is_shown_from_its_base_on() {
     let case =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../articula-formats/tests/cases/base.glb");
     std::fs::copy(case, characters.join("walker.glb")).unwrap();
+    // Captions beside it, which the item carries.
+    let captions = "WEBVTT\n\nwalk\n00:00.000 --> 01:00.000\nFollow me.\n\nrun\n00:00.000 --> 01:00.000\nNo.\n";
+    std::fs::write(characters.join("walker.vtt"), captions).unwrap();
     let (server, address) = started(&characters, &[]);
     let url = format!("http://{address}");
     let play = |more: &[&str]| json(&here, &[&["play", &url, "--seconds"], more].concat());
-    let played = play(&["0.2", "--frames", "frames"]);
+    let played = play(&["1.1", "--frames", "frames"]);
     assert_eq!(
         (&played["name"], &played["by"]),
         (&"walker".into(), &"http".into())
     );
     let samples = played["samples"].as_array().unwrap();
+    let said = samples
+        .iter()
+        .filter_map(|sample| sample["caption"].as_str());
+    assert!(said.clone().count() > 0 && said.clone().all(|said| said == "Follow me."));
     assert!(
         samples[0]["triangles"].as_u64() > Some(4) && samples[0]["bytes"].as_u64() > Some(1000)
     );

@@ -48,6 +48,7 @@ fn mime(extension: &str) -> &'static str {
         "webm" => "video/webm",
         "json" => "application/json",
         "txt" => "text/plain",
+        "vtt" => "text/vtt",
         _ => "application/octet-stream",
     }
 }

@@ -24,6 +24,8 @@ pub(super) enum Key {
     Bandwidth(bool),
     /// Nearer or farther.
     Distance(bool),
+    /// The clip of this place.
+    Clip(usize),
     /// The monitor, shown or not.
     Monitor,
     /// The end.

@@ -63,6 +63,7 @@ fn key(bytes: &[u8]) -> Option<Key> {
         b"\x1b[D" | b"-" => Some(Key::Bandwidth(false)),
         b"\x1b[A" => Some(Key::Distance(true)),
         b"\x1b[B" => Some(Key::Distance(false)),
+        [digit @ b'1'..=b'9'] => Some(Key::Clip(usize::from(digit - b'1'))),
         b"m" => Some(Key::Monitor),
         b"q" => Some(Key::Quit),
         _ => None,
@@ -88,5 +89,6 @@ mod tests {
             .collect();
         assert_eq!(keys, [Key::Bandwidth(true), Key::Quit]);
         assert_eq!(key(b"\x1b[B"), Some(Key::Distance(false)));
+        assert_eq!((key(b"1"), key(b"0")), (Some(Key::Clip(0)), None));
     }
 }

@@ -1,6 +1,7 @@
 //! `articula play URL`: shows a served character while it arrives.
 //!
 //! - `fetch`, `link`: what the client asks for over HTTP, and a session, on threads of their own
+//! - `captions`: what is said on the clock of a clip
 //! - `event`, `keys`: what happens to the client
 //! - `slider`: a bandwidth that changes over time
 //! - `show`: the loop that shows it
@@ -8,6 +9,7 @@
 //! - `phase`: the same between two movements of the slider
 //! - `output`, `screen`: where pictures go
 
+mod captions;
 mod event;
 mod fetch;
 mod keys;

@@ -24,6 +24,9 @@ pub(super) struct Sample {
     pub(super) triangles: usize,
     /// Time within the clip, seconds.
     pub(super) clip_secs: f64,
+    /// What is said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) caption: Option<String>,
     /// Memory of the program, bytes; null where the system does not tell.
     pub(super) memory_bytes: Option<u64>,
     /// What is shown of the character.
@@ -47,6 +50,7 @@ impl Sample {
             joints_sampled: player.map_or(0, |player| player.report().sampled.len()),
             triangles: figure.map_or(0, |figure| figure.asset.mesh.triangles.len()),
             clip_secs: character.map_or(0.0, |of| of.position_secs()),
+            caption: None,
             memory_bytes: memory_bytes(),
             shown: client.report(0),
         }

@@ -1,5 +1,6 @@
 //! The loop that shows a character: what arrives, what is asked for, and a picture of each moment.
 
+use super::captions::Captions;
 use super::event::{Event, Key};
 use super::fetch::Fetchers;
 use super::link::Link;
@@ -71,6 +72,7 @@ struct State {
     last: Instant,
     /// Time, bytes and pictures at the last sample.
     sampled: (Instant, u64, usize),
+    captions: Option<Captions>,
     /// What the last picture showed.
     picture: Option<Sample>,
     /// Mean time of a picture, nanoseconds.
@@ -104,6 +106,7 @@ impl Show<'_> {
             },
             last: self.start,
             sampled: (self.start, 0, 0),
+            captions: None,
             picture: None,
             frame_ns: 0.0,
             has_monitor: self.has_monitor,
@@ -178,6 +181,10 @@ impl Show<'_> {
         let mut sample = Sample::of(&self.client);
         let before = state.shown.samples.last();
         let elapsed = state.sampled.0.elapsed().as_secs_f64();
+        if state.captions.is_none() {
+            state.captions = Captions::of(&self.client);
+        }
+        sample.caption = state.captions.as_ref().and_then(|all| self.caption(all));
         sample.secs = first.elapsed().as_secs_f64();
         sample.frame_ms = state.frame_ns / 1e6;
         let bytes = sample.shown.bytes.saturating_sub(state.sampled.1);
@@ -193,7 +200,8 @@ impl Show<'_> {
         });
         let below = match state.has_monitor {
             true => sample.monitor(&self.client),
-            false => vec![sample.line()],
+            // In the place of numbers.
+            false => vec![sample.caption.clone().unwrap_or_else(|| sample.line())],
         };
         output.show(state.shown.pictures, &picture, &below)?;
         state.shown.pictures += 1;
@@ -334,6 +342,12 @@ impl Show<'_> {
                 let distance_m = scaled(before, !nearer).clamp(0.25, 500.0);
                 self.client.set_view(0, 1.0, Some(distance_m))?;
             }
+            Key::Clip(place) => {
+                let clips = self.clips();
+                if let Some(clip) = clips.get(place) {
+                    self.client.play(0, Some(clip), self.now());
+                }
+            }
             Key::Monitor => state.has_monitor = !state.has_monitor,
             Key::Quit => state.is_over = true,
         }
@@ -341,6 +355,24 @@ impl Show<'_> {
             self.client.set_context(&context, self.now())?;
         }
         Ok(())
+    }
+
+    /// The clips of the character, in the order of their keys.
+    fn clips(&self) -> Vec<String> {
+        let player = self.client.character(0).and_then(|of| of.player());
+        let clips = player.map_or(&[][..], |player| player.model().clips());
+        clips.iter().map(|clip| clip.name.clone()).collect()
+    }
+
+    /// What is said now.
+    fn caption(&self, captions: &Captions) -> Option<String> {
+        let of = self.client.character(0)?;
+        let playing = of.player()?.state()?;
+        let clips = of.player()?.model().clips();
+        let clip = clips
+            .get(playing.clip_state().clip())
+            .map(|clip| &*clip.name);
+        captions.at(clip, of.position_secs()).map(str::to_owned)
     }
 
     fn now(&self) -> f64 {
