@@ -2,7 +2,7 @@
 //!
 //! Source: `docs/methods/clustered-mesh.md` part 6.
 
-use super::{MeshLevelOptions, mix};
+use super::{MeshLevelOptions, between, mix};
 use crate::character::Asset;
 use crate::poses::{Poses, positions};
 use crate::simplify::{LevelTriangles, Simplified, extent};
@@ -18,6 +18,8 @@ pub struct LeftOutLevel {
     pub triangles: usize,
     /// Why it is not made.
     pub reason: LeftOutReason,
+    /// Number of triangles of the level that is made instead, between it and the next finer one.
+    pub instead: Option<usize>,
 }
 
 /// Why a level is not made.
@@ -67,6 +69,7 @@ pub(super) fn kept(
                 target: *target,
                 triangles,
                 reason,
+                instead: None,
             }),
             None => {
                 levels.push(level);
@@ -85,12 +88,30 @@ pub(super) fn kept(
             |d: &LevelDistances| error_share(d.rest.max_metres, d.motion.max_metres, size_metres);
         let fine = distances.iter().position(|d| share(d) > limit);
         let fine = fine.unwrap_or(levels.len()).max(1);
-        let coarse = levels.drain(fine..).zip(distances.drain(fine..));
-        let coarse = coarse.zip(&targets[fine..]);
+        let coarse: Vec<_> = levels.drain(fine..).zip(distances.drain(fine..)).collect();
+        let mut instead = None;
+        if let (Some(finer), Some((refused, _))) = (levels.last(), coarse.first()) {
+            let counts = (finer.triangles.len(), refused.triangles.len());
+            let original = &levels[0].triangles;
+            let found = between::coarsest(simplified.between, counts, limit, |level| {
+                let lists = [&original[..], &level.triangles[..]];
+                let mut found = mix::measured(asset, &lists, poses, &opts.distance)?;
+                let found = found.pop().unwrap_or_default();
+                let share = share(&found);
+                Ok((found, share))
+            })?;
+            if let Some((level, found)) = found {
+                instead = Some(level.triangles.len());
+                levels.push(level);
+                distances.push(found);
+            }
+        }
+        let coarse = coarse.iter().zip(&targets[fine..]);
         left_out.extend(coarse.map(|((level, distances), target)| LeftOutLevel {
             target: *target,
             triangles: level.triangles.len(),
-            reason: LeftOutReason::TooCoarse(share(&distances)),
+            reason: LeftOutReason::TooCoarse(share(distances)),
+            instead: instead.take(),
         }));
         left_out.sort_by(|a, b| b.target.total_cmp(&a.target));
     }

@@ -5,6 +5,7 @@
 //! character (`simplify`), each part is clustered as one object (`clusters`), and each level of the
 //! whole character has one error (`surface_distance`).
 
+mod between;
 mod kept;
 mod mix;
 mod reordered;
@@ -26,6 +27,10 @@ pub struct MeshLevelOptions {
     /// Maximum error of a level, at rest or in motion, relative to the longest side of the bounding
     /// box at rest; a level above it and all coarser ones are not made. `None` makes them all.
     pub max_error: Option<f32>,
+    /// Where a level is left out for its error, how often the range of triangles between it and the next
+    /// finer one is halved to find one that is within [`Self::max_error`]; that level is made instead. Not
+    /// between the first two targets.
+    pub halvings: u32,
     /// Simplification: targets, weights and constraints.
     pub simplify: SimplifyOptions,
     /// Selection of the poses for simplification and for measurement.
@@ -195,7 +200,11 @@ pub fn mesh_level_triangles(
 fn simplified(asset: &Asset, opts: &MeshLevelOptions) -> Result<(Simplified, Poses), Mismatch> {
     let poses = poses(asset, &opts.poses)?;
     let shaping = positions(asset, &poses.shaping);
-    Ok((simplify(&asset.mesh, &shaping, &opts.simplify)?, poses))
+    let options = SimplifyOptions {
+        between: between::count(opts),
+        ..opts.simplify.clone()
+    };
+    Ok((simplify(&asset.mesh, &shaping, &options)?, poses))
 }
 
 /// Appends the vertices that no level uses, so that a stored character has all vertices of its

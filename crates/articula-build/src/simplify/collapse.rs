@@ -7,7 +7,7 @@ use super::SimplifyOptions;
 use super::classes::Classes;
 use super::components::Components;
 use super::cost::{Costs, MAX_FACES, area_vector};
-use super::levels::Sources;
+use super::levels::{Notes, Sources};
 use super::removed_vertices::RemovedVertices;
 use super::ring::Ring;
 use super::topology::Surface;
@@ -127,9 +127,10 @@ impl<'a> Simplifier<'a> {
     }
 
     /// Collapses until at most `target` faces are left or no collapse is allowed.
-    pub(super) fn run(&mut self, target: usize) {
+    pub(super) fn run(&mut self, target: usize, notes: &mut Notes<'_>) {
         let mut filled = self.surface.live;
         while self.surface.live > target {
+            notes.take(&self.surface);
             self.forget_stale();
             let Some(Reverse((bits, from, to, version, priced))) = self.queue.pop() else {
                 // Refused collapses may be allowed by now; a refill must have enough progress

@@ -46,23 +46,57 @@ impl Sources {
 
     /// The remaining triangles; duplicates that collapses created are removed from the surface.
     pub(super) fn left(&self, surface: &mut Surface) -> LevelTriangles {
+        let (level, duplicates) = self.listed(surface);
+        duplicates.into_iter().for_each(|face| surface.kill(face));
+        level
+    }
+
+    /// The remaining triangles without duplicates, and these.
+    fn listed(&self, surface: &Surface) -> (LevelTriangles, Vec<usize>) {
         let mut level = LevelTriangles::default();
+        let mut duplicates = Vec::new();
         let mut known = HashSet::new();
         for part in &self.parts {
             known.clear();
             let first = level.triangles.len();
-            for face in part.clone() {
-                if !surface.is_alive(face) {
-                    continue;
-                }
+            for face in part.clone().filter(|face| surface.is_alive(*face)) {
                 if known.insert(rotated(surface.wedges[face])) {
                     level.triangles.push(surface.wedges[face]);
                 } else {
-                    surface.kill(face);
+                    duplicates.push(face);
                 }
             }
             level.parts.push(first..level.triangles.len());
         }
-        level
+        (level, duplicates)
+    }
+}
+
+/// Levels that are noted on the way to the next one, which stays as it is without them.
+pub(super) struct Notes<'a> {
+    sources: &'a Sources,
+    /// Numbers of faces, the next one last.
+    wanted: Vec<usize>,
+    pub(super) levels: Vec<LevelTriangles>,
+}
+
+impl<'a> Notes<'a> {
+    /// Notes at these numbers of faces, which fall.
+    pub(super) fn new(
+        sources: &'a Sources,
+        wanted: impl DoubleEndedIterator<Item = usize>,
+    ) -> Self {
+        Self {
+            sources,
+            wanted: wanted.rev().collect(),
+            levels: Vec::new(),
+        }
+    }
+
+    /// Notes the level of a surface that is down to the next number of faces.
+    pub(super) fn take(&mut self, surface: &Surface) {
+        while self.wanted.pop_if(|faces| surface.live <= *faces).is_some() {
+            self.levels.push(self.sources.listed(surface).0);
+        }
     }
 }

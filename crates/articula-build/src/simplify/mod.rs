@@ -58,6 +58,9 @@ pub struct SimplifyOptions {
     /// Fractions of the triangle count, finest first; the first is 1. Two triangles for each locked
     /// vertex come on top of the fraction of all others.
     pub targets: Vec<f64>,
+    /// Number of levels that are noted between two targets beyond the second, evenly spread on a
+    /// logarithmic scale. They change no other level.
+    pub between: usize,
     /// Poses whose errors count.
     pub weighting: ErrorWeighting,
     /// Weight of an error at each vertex; all 1 if empty.
@@ -88,6 +91,7 @@ impl Default for SimplifyOptions {
     fn default() -> Self {
         Self {
             targets: vec![1.0, 0.5, 0.25, 0.1, 0.015],
+            between: 0,
             weighting: ErrorWeighting::PoseSummed,
             vertex_weights: Vec::new(),
             extents: Vec::new(),
@@ -118,6 +122,8 @@ pub struct Simplified {
     /// without those that use a vertex twice; of vertices that are equal in all attributes it uses
     /// the first.
     pub levels: Vec<LevelTriangles>,
+    /// Levels between them, finest first, as far as they were reached.
+    pub between: Vec<LevelTriangles>,
     /// Position class of each vertex: vertices of one class stay together in all poses, even where
     /// their skins differ.
     pub position_classes: Vec<u32>,
@@ -152,15 +158,23 @@ pub fn simplify(
     let class = |v: &u32| classes.of_vertex[*v as usize];
     let locked: BTreeSet<u32> = options.locked.iter().map(class).collect();
     let held = whole.min(2 * locked.len());
+    let target = |share: f64| held + (share * (whole - held) as f64).round() as usize;
     let mut found = vec![sources.level()];
-    for (step, share) in options.targets.iter().enumerate().skip(1) {
-        let target = held + (share * (whole - held) as f64).round() as usize;
-        simplifier.open_seams(step + 1 == options.targets.len());
-        simplifier.run(target);
+    let mut between = Vec::new();
+    for (step, shares) in options.targets.windows(2).enumerate() {
+        let (finer, share) = (shares[0], shares[1]);
+        let count = if step == 0 { 0 } else { options.between };
+        let ratio = f64::powf(share / finer, 1.0 / (count + 1) as f64);
+        let on_the_way = (1..=count).map(|k| target(finer * ratio.powi(k as i32)));
+        let mut notes = levels::Notes::new(&sources, on_the_way);
+        simplifier.open_seams(step + 2 == options.targets.len());
+        simplifier.run(target(share), &mut notes);
+        between.append(&mut notes.levels);
         found.push(simplifier.level(&sources));
     }
     Ok(Simplified {
         levels: found,
+        between,
         position_classes: classes.of_vertex,
     })
 }

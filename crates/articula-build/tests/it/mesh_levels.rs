@@ -3,9 +3,9 @@
 use crate::random_figure::{character_of, flat};
 use crate::simplify::shapes::{ball, sheet};
 use articula_build::{
-    Asset, ClipOptions, LeftOutLevel, LeftOutReason, MeshLevelOptions, PoseOrigin, RegionMix,
-    SimplifyOptions, character, measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,
-    poses, positions, simplify, surface_distances,
+    Asset, ClipOptions, LeftOutLevel, LeftOutReason, MeshLevelOptions, MeshLevels, PoseOrigin,
+    RegionMix, SimplifyOptions, character, measure_levels, measure_mesh, mesh_level_triangles,
+    mesh_levels, poses, positions, simplify, surface_distances,
 };
 use articula_core::Mesh;
 use articula_core::source::{Character, Primitive, RawMesh};
@@ -238,6 +238,7 @@ fn levels_that_are_empty_or_equal_are_left_out() {
         target,
         triangles,
         reason,
+        instead: None,
     };
     // A half of one triangle is rounded up, a quarter down.
     let expected = [
@@ -271,10 +272,36 @@ fn levels_above_the_limit_and_coarser_ones_are_left_out() {
             target: opts.simplify.targets[l + 1],
             triangles: all.table.levels[l].triangles as usize,
             reason: LeftOutReason::TooCoarse(share(l)),
+            instead: None,
         });
         let expected: Vec<LeftOutLevel> = std::iter::once(equal).chain(coarse).collect();
         assert_eq!(found.left_out, expected);
     }
+}
+
+#[test]
+fn a_level_in_between_is_made_instead_of_one_above_the_limit() {
+    let asset = asset(&three_parts());
+    let mut opts = options();
+    opts.simplify.targets = vec![1.0, 0.6, 0.1];
+    let all = mesh_levels(&asset, &opts).unwrap();
+    let (fine, coarse) = (all.error_share(1), all.error_share(2));
+    assert!(fine < coarse);
+    opts.max_error = Some(0.5 * (fine + coarse));
+    assert_eq!(mesh_levels(&asset, &opts).unwrap().table.levels.len(), 2);
+    opts.halvings = 3;
+    let found = mesh_levels(&asset, &opts).unwrap();
+    let count = |made: &MeshLevels, level: usize| made.table.levels[level].triangles;
+    assert_eq!(found.table.levels.len(), 3);
+    assert_eq!(found.table.levels[..2], all.table.levels[..2]);
+    assert!(found.error_share(2) <= opts.max_error.unwrap());
+    assert!((count(&all, 2) + 1..count(&all, 1)).contains(&count(&found, 2)));
+    let left_out = found.left_out.iter();
+    let instead: Vec<_> = left_out.map(|l| (l.target, l.instead)).collect();
+    assert_eq!(instead, [(0.1, Some(count(&found, 2) as usize))]);
+    // Without a limit all targets are made, and nothing else.
+    opts.max_error = None;
+    assert_eq!(mesh_levels(&asset, &opts).unwrap(), all);
 }
 
 #[test]

@@ -40,10 +40,7 @@ pub(super) fn stripped(
     document.remove_motion_tables();
     let clips: Vec<RawClip> = rest_clip(character).into_iter().collect();
     document.replace_clips(&clips, &gltf.node_of_joint, &gltf.node_of_mesh)?;
-    let empty: Vec<Vec<_>> = meshes
-        .iter()
-        .map(|mesh| mesh.primitives.iter().map(stand_in).collect())
-        .collect();
+    let empty: Vec<Vec<_>> = meshes.iter().map(|mesh| stand_ins(mesh, meshes)).collect();
     let geometry: Vec<MeshGeometry<'_>> = empty
         .iter()
         .zip(&gltf.node_of_mesh)
@@ -80,14 +77,23 @@ pub(super) fn stripped(
     })
 }
 
-/// What stands for a primitive: where it is, but for the rest as like any other as it can be, since equal
-/// arrays are stored once.
-fn stand_in(of: &Primitive) -> Primitive {
-    let mut made = placeholder(of);
-    made.normals.fill(Vec3::Z);
-    made.texcoords.fill(Vec2::ZERO);
-    made.colors.fill(Vec4::ONE);
-    made
+/// What stands for the primitives of a mesh: all that it can be as for any other one, since equal arrays
+/// are stored once. Meshes of one skin share the vertex, which is that of the first of them.
+fn stand_ins(mesh: &RawMesh, meshes: &[RawMesh]) -> Vec<Primitive> {
+    let of_skin = meshes.iter().filter(|other| other.skin == mesh.skin);
+    let first = of_skin.flat_map(|other| &other.primitives).next();
+    let first = first.map(placeholder).unwrap_or_default();
+    let stand_in = |of: &Primitive| {
+        let mut made = placeholder(of);
+        made.positions.clone_from(&first.positions);
+        (made.joints, made.weights) = (first.joints.clone(), first.weights.clone());
+        made.influences = first.influences;
+        made.normals.fill(Vec3::Z);
+        made.texcoords.fill(Vec2::ZERO);
+        made.colors.fill(Vec4::ONE);
+        made
+    };
+    mesh.primitives.iter().map(stand_in).collect()
 }
 
 /// How a picture is averaged.

@@ -25,6 +25,9 @@ pub struct MeshLevelOptions {
     /// Maximum error in motion of a level, relative to the longest side of the bounding box at
     /// rest; a level above it and all coarser ones are not made. `None` makes them all.
     pub max_error: Option<f32>,
+    /// Where a level is left out for its error, how often the range of triangles between it and the next
+    /// finer one is halved to find one within [`Self::max_error`], which is made instead.
+    pub halvings: u32,
     /// Factors on errors by body region name; 1 for regions without an entry.
     pub region_weights: Vec<(String, f32)>,
     /// Named zones that may be shown at independent levels; the remaining vertices form one more.
@@ -50,6 +53,7 @@ impl MeshLevelOptions {
         Self {
             targets: default_targets(count),
             max_error: Some(MAX_ERROR),
+            halvings: 0,
             region_weights: Vec::new(),
             split: Vec::new(),
             weighting: ErrorWeighting::PoseSummed,
@@ -90,6 +94,7 @@ impl MeshLevelOptions {
         Ok(BuildOptions {
             simplify,
             max_error: self.max_error,
+            halvings: self.halvings,
             distance: DistanceOptions {
                 full_every: self.full_every,
                 ..DistanceOptions::default()

@@ -3,12 +3,13 @@
 use crate::real;
 use crate::short::shortened;
 use articula::item::{
-    Item, ItemCut, ItemPart, ItemReceiver, MANIFEST, PackageOptions, PartKind, Regions, assemble,
-    package, package_in_stages,
+    AdaptOptions, Item, ItemCut, ItemPart, ItemReceiver, MANIFEST, PackageOptions, PartKind,
+    Regions, assemble, decide, package, package_in_stages,
 };
 use articula::{CharacterFile, Error, Executor, OpenOptions, fs};
 use articula_core::source::RawClip;
 use articula_formats::Limits;
+use articula_stream::description::Context;
 
 /// A character with a texture and two clips.
 fn textured() -> Option<CharacterFile> {
@@ -172,4 +173,31 @@ fn an_error_of_the_caller_stops_the_work() {
     });
     assert!(matches!(stopped, Err(Error::Io(what)) if what == "the disk is full"));
     assert_eq!(stages, 1);
+}
+
+/// Of a character of many parts and clips, 15 kB without the heads of the other clips.
+#[test]
+fn the_least_of_an_item_is_small() {
+    let Some(path) = real::file("glb/RobotExpressive.glb") else {
+        return;
+    };
+    let file = fs::open(path).unwrap();
+    let clips = file.character().clips.len() as u64;
+    let options = PackageOptions {
+        flat: false,
+        ..PackageOptions::default()
+    };
+    let mut base = None;
+    let stopped = package_in_stages(file, &options, &Executor::default(), &mut |item| {
+        base = Some(item.clone());
+        Err(Error::Cancelled)
+    });
+    assert!(stopped.is_err());
+    let nothing = AdaptOptions {
+        max_bytes: Some(1),
+        ..AdaptOptions::default()
+    };
+    let decided = decide(&base.unwrap(), &Context::default(), &nothing).unwrap();
+    let least = decided.least_bytes.unwrap() + 300 * (clips - 1);
+    assert!(least <= 15_000, "{least} bytes");
 }

@@ -342,12 +342,14 @@ fn the_cheapest_vertex_goes_first() {
             ..SimplifyOptions::default()
         };
         let mut simplifier = simplifier(&of, &options);
-        simplifier.run(70);
+        let sources = Sources::default();
+        let mut no_notes = Notes::new(&sources, std::iter::empty());
+        simplifier.run(70, &mut no_notes);
         let lower = usize::from(heights[1] < heights[0]);
         assert_eq!(simplifier.surface.live, 70);
         assert_eq!(simplifier.surface.valence(free[lower]), 0);
         assert_eq!(simplifier.surface.valence(free[1 - lower]), 6);
-        simplifier.run(0);
+        simplifier.run(0, &mut no_notes);
         assert_eq!(simplifier.surface.live, 68, "all others are locked");
     }
 }
@@ -378,7 +380,8 @@ fn the_outline_of_a_flat_body_costs_the_distance_of_what_is_removed() {
             ..SimplifyOptions::default()
         };
         let mut simplifier = simplifier(&of, &options);
-        simplifier.run(20);
+        let sources = Sources::default();
+        simplifier.run(20, &mut Notes::new(&sources, std::iter::empty()));
         assert!(simplifier.surface.live <= 20);
         let stays = [0, 6, 42, 48].map(|v| simplifier.surface.valence(v) > 0);
         assert_eq!(stays == [true; 4], keeps, "{stays:?}");

@@ -32,6 +32,28 @@ fn a_ball_stays_closed_at_every_level() {
 }
 
 #[test]
+fn levels_between_targets_are_noted_and_change_no_other_one() {
+    let mesh = ball(24);
+    let without = of(&mesh, &SimplifyOptions::default());
+    let options = SimplifyOptions {
+        between: 2,
+        ..SimplifyOptions::default()
+    };
+    let found = of(&mesh, &options);
+    assert_eq!(found.levels, without.levels);
+    assert!(without.between.is_empty());
+    // Thirds, on a logarithmic scale, of the ways from 50 to 25, 10 and 1.5 %.
+    let shares = [0.397, 0.315, 0.184, 0.136, 0.053, 0.028];
+    assert_eq!(found.between.len(), shares.len());
+    let whole = mesh.triangles.len() as f64;
+    for (level, share) in found.between.iter().zip(shares) {
+        assert!(is_closed(&found, level));
+        let off = level.triangles.len() as f64 - share * whole;
+        assert!((-3.0..=2.0).contains(&off), "{share}: {off}");
+    }
+}
+
+#[test]
 fn a_flat_sheet_keeps_its_outline() {
     let mesh = sheet(8);
     let options = SimplifyOptions {

@@ -135,8 +135,11 @@ fn left_out(made: &MeshLevels, wanted: usize) -> Vec<String> {
                 100.0 * options::MAX_ERROR
             ),
         };
+        let instead = level.instead.map_or_else(String::new, |triangles| {
+            format!("; one of {triangles} triangles is made instead")
+        });
         format!(
-            "{count} of {wanted} mesh levels are made: the level of {} triangles ({} %) is left out, since {why}",
+            "{count} of {wanted} mesh levels are made: the level of {} triangles ({} %) is left out, since {why}{instead}",
             level.triangles,
             (1e4 * level.target).round() / 100.0
         )
