@@ -46,6 +46,10 @@ fn every_profile_writes_a_file_and_says_what_it_is() {
         let least = if profile == "thesis" { 0.8 } else { 0.93 };
         assert!(number("ssim") > least, "{profile}: {error}");
         assert!(number("position_rmse_px") < 0.6, "{profile}: {error}");
+        let stray = error["stray_pixels_percent"].as_f64();
+        let is_counted = !["player", "thesis"].contains(&profile);
+        assert_eq!(stray.is_some(), is_counted, "{profile}");
+        assert!(stray.is_none_or(|stray| stray < 1.0), "{profile}: {error}");
         assert!(report["triangles_drawn"].as_u64().unwrap() > 60);
         assert!(
             !report["representation"]["needs"]

@@ -60,6 +60,7 @@ pub fn flatten_live(
         errors: FileErrors {
             position_rmse_px: file.stats.position_rmse_px,
             image,
+            stray_pixels_percent: None,
             wrong_pixels_percent: prepared.wrong_percent,
             wrong_pixels_percent_depth_sort: prepared.wrong_percent_depth_sort,
         },

@@ -24,6 +24,7 @@ mod report;
 mod search;
 mod settings;
 mod source_frames;
+mod strays;
 mod written;
 
 pub use crate::local_difference::{JudgedRegion, LocalDifferences, WorstDifference};

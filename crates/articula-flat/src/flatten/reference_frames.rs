@@ -106,6 +106,12 @@ impl ReferenceFrames {
         }
     }
 
+    /// The sampled times that are whole frames.
+    pub(super) fn whole_frames(&self) -> Vec<usize> {
+        let whole = self.moments.iter().filter(|m| m.frame.fract() == 0.0);
+        whole.map(|m| m.frame as usize).collect()
+    }
+
     /// Compares with the pictures that `shown` returns for a time in frames.
     ///
     /// # Errors

@@ -56,6 +56,10 @@ pub struct FileErrors {
     pub position_rmse_px: f64,
     /// Error of its pictures against the reference.
     pub image: ImageError,
+    /// Pixels at twice the size that lie outside of the silhouette, or have a colour that none of
+    /// the triangles around them has, percent of the character's; `None` where the profile is not
+    /// measured (player, thesis) or the picture is large.
+    pub stray_pixels_percent: Option<f64>,
     /// Pixels that show a triangle which another one should cover, percent of the character's.
     pub wrong_pixels_percent: f64,
     /// Wrong pixels of a depth sort per frame, percent of the character's.

@@ -186,6 +186,7 @@ pub fn flatten(
         errors: FileErrors {
             position_rmse_px: written.position_rmse_px,
             image,
+            stray_pixels_percent: written.strays(prepared, &truth.whole_frames(), &quality)?,
             wrong_pixels_percent: prepared.wrong_percent,
             wrong_pixels_percent_depth_sort: prepared.wrong_percent_depth_sort,
         },

@@ -8,6 +8,7 @@ use super::pages::pages;
 use super::prepared::PreparedClip;
 use super::settings::{Profile, Quality};
 use super::source_frames::BACKGROUND;
+use super::strays::{self, Strays};
 use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
 use crate::planar::PlanarError;
@@ -19,12 +20,12 @@ use crate::vector::AnimatedSvg;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie;
 use crate::vector::player::{PlayerClip, PlayerOptions, decode, player};
-use crate::vector::raster;
 use crate::vector::smil;
 use crate::vector::still::{StillOptions, still};
 use crate::vector::thesis::{
     ThesisForm, ThesisSvgOptions, thesis, thesis_frame, thesis_gouraud_picture,
 };
+use crate::vector::{raster, raster_scaled};
 
 /// A written file with its statistics.
 #[derive(Debug, Clone, PartialEq)]
@@ -115,6 +116,47 @@ impl Written {
                 raster(&still, BACKGROUND)?
             }
         })
+    }
+}
+
+/// Maximum number of frames in which stray pixels are counted.
+const STRAY_FRAMES: usize = 4;
+
+impl Written {
+    /// Returns the stray pixels at some of these frames, percent of the character's; `None` if the
+    /// file is not read back as SVG.
+    ///
+    /// # Errors
+    /// [`PlanarError::Picture`] if the file cannot be drawn.
+    pub(super) fn strays(
+        &self,
+        prepared: &PreparedClip,
+        frames: &[usize],
+        quality: &Quality,
+    ) -> Result<Option<f64>, PlanarError> {
+        if !Strays::are_counted(&prepared.clip) {
+            return Ok(None);
+        }
+        let step = frames.len().div_ceil(STRAY_FRAMES).max(1);
+        let known = |f: &&usize| **f < prepared.clip.frames.len();
+        let mut all = Strays::default();
+        for frame in frames.iter().step_by(step).filter(known) {
+            let secs = *frame as f64 / f64::from(prepared.clip.fps);
+            let text = match &self.shown {
+                ReadBack::Moving(moving) => &moving.at(secs)?,
+                ReadBack::Still(text) => text,
+                ReadBack::Player(_) | ReadBack::Naive(_) => return Ok(None),
+            };
+            let shown = raster_scaled(text, BACKGROUND, strays::FACTOR)?;
+            // Positions of stills and pages are exact.
+            let tolerance = if self.keys > 0 {
+                quality.pos_tol_px
+            } else {
+                0.0
+            };
+            all.add(Strays::count(prepared, *frame, &shown, tolerance)?);
+        }
+        Ok(Some(all.percent()))
     }
 }
 

@@ -22,12 +22,14 @@ mod bake;
 pub(crate) mod clip;
 pub(crate) mod drawn;
 mod error;
+mod fan;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub(crate) mod key_frames;
 pub(crate) mod keyed_clip;
 mod merge;
 mod moving_gradient;
+mod neighbours;
 pub(crate) mod order;
 pub(crate) mod reference;
 pub(crate) mod shading;

@@ -27,6 +27,7 @@ pub(crate) mod thesis;
 pub(crate) use lottie::lottie;
 pub use moving_picture::{gif, webp};
 pub use raster::raster;
+pub(crate) use raster::raster_scaled;
 pub(crate) use smil::smil;
 pub use smil_sampler::AnimatedSvg;
 pub use thesis::{ThesisFile, ThesisForm, ThesisSvgOptions, thesis};

@@ -46,9 +46,24 @@ const ANIMATION: [&str; 4] = ["animate", "animateTransform", "animateMotion", "s
 /// # Errors
 /// [`PictureError`]: the text is not SVG, has unsupported elements, or is too large.
 pub fn raster(svg: &str, background: Rgba) -> Result<Picture, PictureError> {
+    raster_scaled(svg, background, 1)
+}
+
+/// Renders SVG text over a background, enlarged by a whole factor.
+///
+/// # Errors
+/// As [`raster`].
+pub(crate) fn raster_scaled(
+    svg: &str,
+    background: Rgba,
+    factor: u32,
+) -> Result<Picture, PictureError> {
     let tree = parse(svg)?;
     let size = tree.size().to_int_size();
-    let (width, height) = (size.width(), size.height());
+    let (width, height) = (
+        size.width().saturating_mul(factor),
+        size.height().saturating_mul(factor),
+    );
     let refuse = || PictureError::LimitExceeded {
         width,
         height,
@@ -61,7 +76,8 @@ pub fn raster(svg: &str, background: Rgba) -> Result<Picture, PictureError> {
     let mut pixels = Pixmap::new(width, height).ok_or_else(refuse)?;
     let [r, g, b, a] = background;
     pixels.fill(Color::from_rgba8(r, g, b, a));
-    resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
+    let scale = Transform::from_scale(factor as f32, factor as f32);
+    resvg::render(&tree, scale, &mut pixels.as_mut());
     let straight = |p: &resvg::tiny_skia::PremultipliedColorU8| {
         let c = p.demultiply();
         [c.red(), c.green(), c.blue(), c.alpha()]

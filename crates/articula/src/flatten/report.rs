@@ -116,6 +116,9 @@ pub struct FlatErrors {
     pub moments: usize,
     /// Largest local differences, where they were measured.
     pub local: Option<WorstByPart>,
+    /// Pixels at twice the size outside of the silhouette, or in a colour that none of the triangles
+    /// around them has, per cent, where they were counted.
+    pub stray_pixels_percent: Option<f64>,
     /// Pixels painted in the wrong order, per cent.
     pub wrong_pixels_percent: f64,
     /// The same with triangles sorted by depth.
@@ -357,6 +360,7 @@ impl FlatErrors {
             pixels_off_percent: off_percent,
             moments,
             local: local.as_ref().map(WorstByPart::new),
+            stray_pixels_percent: errors.stray_pixels_percent,
             wrong_pixels_percent: errors.wrong_pixels_percent,
             wrong_pixels_percent_depth_sort: errors.wrong_pixels_percent_depth_sort,
         }

@@ -3,6 +3,9 @@
 use crate::fault::clean;
 use articula::flatten::{FACE_DELTA_E, FlattenReport, LocalDifference, REST_DELTA_E};
 
+/// Share of stray pixels, percent of the figure's, above which a file is warned about.
+const STRAY_PERCENT: f64 = 0.02;
+
 /// Formats the report for people.
 pub(super) fn text(report: &FlattenReport) -> String {
     let FlattenReport { bytes, error, .. } = report;
@@ -39,6 +42,11 @@ pub(super) fn text(report: &FlattenReport) -> String {
             error.wrong_pixels_percent,
             error.wrong_pixels_percent_depth_sort,
         ));
+    if let Some(stray) = error.stray_pixels_percent {
+        text.push_str(&format!(
+            "pixels outside the silhouette or in a foreign colour, at 2x: {stray:.3} % (bound {STRAY_PERCENT})\n"
+        ));
+    }
     if let Some(local) = &error.local {
         let of = |name: &str, worst: &Option<LocalDifference>, bound: f64| {
             let worst = worst.as_ref()?;
@@ -96,6 +104,13 @@ pub(crate) fn warnings(report: &FlattenReport) -> Vec<String> {
             detail.worst.region,
             clean(&detail.mesh),
             difference(&detail.worst),
+        ));
+    }
+    let stray = report.error.stray_pixels_percent;
+    if let Some(stray) = stray.filter(|stray| *stray > STRAY_PERCENT) {
+        all.push(format!(
+            "{stray:.3} % of the figure's pixels lie outside its silhouette or have a foreign colour at \
+             2x; give fewer --triangles, a lower --quality position-px or a larger --size"
         ));
     }
     // The form of the thesis is a baseline, not to be improved.
