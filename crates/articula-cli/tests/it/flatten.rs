@@ -83,6 +83,12 @@ fn a_moment_of_the_file_can_be_rendered_and_all_of_it() {
         // The last frame is the first one of the next cycle.
         assert_eq!(movie["frames"].as_u64().unwrap(), frames - 1, "{out}");
     }
+    // Straight from the character: the same frames.
+    let direct = flatten(&here, "direct.webp", &[]);
+    let both = ["walk.webp", "direct.webp"].map(|name| std::fs::read(here.join(name)).unwrap());
+    assert!(both[0] == both[1], "the movies differ");
+    assert_eq!(direct["bytes"]["raw"], both[1].len());
+    assert_eq!(direct["representation"]["modality"], "movie/webp");
     let start = |name: &str| std::fs::read(here.join(name)).unwrap()[..4].to_vec();
     assert_eq!(start("walk.gif"), b"GIF8");
     assert_eq!(start("walk.webp"), b"RIFF");

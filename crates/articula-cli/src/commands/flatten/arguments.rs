@@ -17,6 +17,7 @@ Examples:
   articula flatten head.glb head.json --clip talk --profile lottie --max-bytes 400000
   articula flatten knight.glb pose.svg --profile thesis --form gouraud --at 0.4
   articula flatten knight.glb knight.png --profile impostor --max-bytes 2000000
+  articula flatten knight.glb walk.webp --clip Walking_A
   articula flatten frame walk.svg walk.png --at 0.4
   articula flatten movie walk.svg walk.gif")]
 pub(crate) struct FlattenArgs {
@@ -42,7 +43,7 @@ pub(crate) struct ConvertArgs {
     #[arg(required = true)]
     file: Option<PathBuf>,
     /// File to write (.svg; .json for lottie; .html or .json for portrait; .js for a player module;
-    /// .png for impostor)
+    /// .png for impostor; .gif or .webp for a movie of smil or flipbook)
     #[arg(required = true)]
     out: Option<PathBuf>,
     /// Name of a mesh to leave out (repeatable)
@@ -284,6 +285,11 @@ impl ConvertArgs {
         self.out.as_deref().unwrap_or(Path::new(""))
     }
 
+    /// Whether the output is a movie, whose frames are drawn from an animated SVG.
+    pub(crate) fn is_movie(&self) -> bool {
+        ["gif", "webp"].contains(&crate::files::extension(self.out()).as_str())
+    }
+
     /// The character arguments that the other commands use.
     pub(crate) fn character(&self) -> CharacterArgs {
         CharacterArgs {
@@ -308,7 +314,7 @@ impl ConvertArgs {
     pub(crate) fn profile(&self) -> anyhow::Result<ProfileName> {
         let ending = crate::files::extension(self.out());
         let told = match ending.as_str() {
-            "svg" => Some(ProfileName::Smil),
+            "svg" | "gif" | "webp" => Some(ProfileName::Smil),
             "json" => Some(ProfileName::Lottie),
             "js" => Some(ProfileName::Player),
             "html" => Some(ProfileName::Portrait),
@@ -317,7 +323,8 @@ impl ConvertArgs {
         };
         let profile = self.profile.or(told);
         let fits: &[&str] = match profile {
-            None => &["svg", "json", "html", "js", "png"],
+            None => &["svg", "json", "html", "js", "png", "gif", "webp"],
+            Some(ProfileName::Smil | ProfileName::Flipbook) => &["svg", "gif", "webp"],
             Some(ProfileName::Lottie) => &["json"],
             Some(ProfileName::Portrait) => &["html", "json"],
             Some(ProfileName::Player) => &["svg", "js"],

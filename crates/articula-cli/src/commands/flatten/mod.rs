@@ -12,6 +12,7 @@ pub(crate) use arguments::FlattenArgs;
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
+use anyhow::Context;
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName};
 use articula::core::Viewport;
 use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
@@ -19,10 +20,10 @@ use articula::flat::planar::OrderOptions;
 use articula::flat::planar::Shading;
 use articula::flat::planar::SplitOptions;
 use articula::flat::vector::player::PlayerOutput;
-use articula::flat::vector::{ThesisForm, ThesisSvgOptions};
+use articula::flat::vector::{AnimatedSvg, ThesisForm, ThesisSvgOptions};
 use articula::flatten::{
-    FlattenReport, FramedCharacter, Shot, TriangleCount, flatten_driven, flatten_within,
-    surfaces_shown_otherwise,
+    BytesPerTriangle, FlatBytes, FlattenReport, FramedCharacter, Shot, TriangleCount,
+    flatten_driven, flatten_within, surfaces_shown_otherwise,
 };
 
 /// Converts, or runs a subcommand.
@@ -56,15 +57,51 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     } else {
         console.work(|work| flatten_within(framed, &options, &settings, work))?
     };
-    console.files.write(args.out(), &flat.bytes)?;
     let out = files::shown(args.out());
     let mut report = FlattenReport::new(out, &flat, &framed, settings.max_bytes);
+    if args.is_movie() {
+        write_movie(args, &flat.bytes, &mut report, console)?;
+    } else {
+        console.files.write(args.out(), &flat.bytes)?;
+    }
     report.warnings = report::warnings(&report);
     report
         .warnings
         .extend(open::warnings(figure.opened.warnings()));
     report.warnings.extend(surfaces_shown_otherwise(&figure));
     console.result(&report, report::text)
+}
+
+/// Writes the pictures of an animated SVG as a movie, and reports its size.
+fn write_movie(
+    args: &ConvertArgs,
+    svg: &[u8],
+    report: &mut FlattenReport,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let place = || files::shown(args.out());
+    let moving = AnimatedSvg::read(&String::from_utf8_lossy(svg)).with_context(place)?;
+    let pictures = moving::pictures(&moving, report.fps, [255; 4], &place(), console)?;
+    let ending = files::extension(args.out());
+    let bytes = moving::encoded(&ending, &pictures).with_context(place)?;
+    let bytes = bytes.unwrap_or_default();
+    console.files.write(args.out(), &bytes)?;
+    // A movie is compressed already.
+    let raw = bytes.len() as u64;
+    let per = raw as f64 / (report.triangles_drawn * report.frames).max(1) as f64;
+    report.bytes = FlatBytes {
+        raw,
+        gzip: raw,
+        brotli: raw,
+    };
+    report.bytes_per_triangle_and_frame = BytesPerTriangle {
+        raw: per,
+        brotli: per,
+    };
+    report.representation.modality = format!("movie/{ending}");
+    report.representation.bytes = raw;
+    report.representation.needs = vec![];
+    Ok(())
 }
 
 impl ConvertArgs {
@@ -114,6 +151,10 @@ impl ConvertArgs {
                 let what = "does not apply to this profile; see --help";
                 return Err(fault::usage(format!("{flag} {what}")));
             }
+        }
+        if self.is_movie() && quality.max_bytes.is_some() {
+            let what = "--max-bytes does not apply to a movie; lower --fps or --size";
+            return Err(fault::usage(what));
         }
         if special.live && (turned || quality.max_bytes.is_some()) {
             let what =

@@ -7,9 +7,8 @@ use crate::console::Console;
 use crate::fault;
 use crate::files::{self, Files};
 use anyhow::Context;
-use articula::flat::Picture;
-use articula::flat::vector;
-use articula::flat::vector::raster;
+use articula::flat::vector::{self, AnimatedSvg, raster};
+use articula::flat::{Picture, PictureError};
 use serde::Serialize;
 
 /// Maximum number of frames of a movie.
@@ -34,17 +33,47 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     let moving = frame::read(&args.file)?;
     let place = || files::shown(&args.file);
     let duration = moving.duration_secs;
-    let steps = (duration * f64::from(args.fps)).round().max(1.0);
+    let background = args.background.unwrap_or([255; 4]);
+    let moments = pictures(&moving, args.fps, background, &place(), console)?;
+    let bytes = write(args, &moments, &console.files)?;
+    let movie = Movie {
+        out: files::shown(&args.out),
+        frames: moments.len(),
+        fps: moments.len() as f64 / duration,
+        duration_secs: duration,
+        bytes,
+    };
+    console.result(&movie, |m| {
+        format!(
+            "{}: {} frames, {:.2} s, {:.1} kB\n",
+            m.out,
+            m.frames,
+            m.duration_secs,
+            m.bytes as f64 / 1e3
+        )
+    })
+}
+
+/// Draws all frames of an animated SVG of this name, each with its duration in seconds.
+pub(super) fn pictures(
+    moving: &AnimatedSvg,
+    fps: f32,
+    background: [u8; 4],
+    name: &str,
+    console: &Console,
+) -> anyhow::Result<Vec<(Picture, f64)>> {
+    let duration = moving.duration_secs;
+    let steps = (duration * f64::from(fps)).round().max(1.0);
     if steps > MAX_FRAMES {
         let what =
             format!("{steps} frames, at most {MAX_FRAMES} are allowed; lower the frame rate");
-        return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
+        return Err(fault::usage(format!("--fps {fps}: {what}")));
     }
     if duration <= 0.0 {
         let what = "nothing moves in this file; render it with flatten frame";
-        anyhow::bail!("{}: {what}", place());
+        anyhow::bail!("{name}: {what}");
     }
-    let background = args.background.unwrap_or([255; 4]);
+    let place = || name.to_owned();
     let bar = console.progress("drawing frames", steps as usize);
     let mut pixels = 0;
     let mut moments: Vec<(Picture, f64)> = Vec::with_capacity(steps as usize);
@@ -57,28 +86,24 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
         pixels += u64::from(picture.width()) * u64::from(picture.height());
         if pixels > MAX_PIXELS {
             let what = "more than 268 million pixels in all; lower the frame rate";
-            return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
+            return Err(fault::usage(format!("--fps {fps}: {what}")));
         }
         moments.push((picture, duration / steps));
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let bytes = write(args, &moments, &console.files)?;
-    let movie = Movie {
-        out: files::shown(&args.out),
-        frames: moments.len(),
-        fps: steps / duration,
-        duration_secs: duration,
-        bytes,
-    };
-    console.result(&movie, |m| {
-        format!(
-            "{}: {} frames, {:.2} s, {:.1} kB\n",
-            m.out,
-            m.frames,
-            m.duration_secs,
-            m.bytes as f64 / 1e3
-        )
+    Ok(moments)
+}
+
+/// Encodes pictures as a movie of this extension; `None` if it is that of no movie.
+pub(super) fn encoded(
+    ending: &str,
+    moments: &[(Picture, f64)],
+) -> Result<Option<Vec<u8>>, PictureError> {
+    Ok(match ending {
+        "gif" => Some(vector::gif(moments)?),
+        "webp" => Some(vector::webp(moments)?),
+        _ => None,
     })
 }
 
@@ -100,21 +125,18 @@ fn is_folder(args: &MovieArgs) -> bool {
 /// Writes the pictures in the format of the name; returns the total number of bytes.
 fn write(args: &MovieArgs, moments: &[(Picture, f64)], files: &Files) -> anyhow::Result<usize> {
     let place = || files::shown(&args.out);
-    let bytes = match files::extension(&args.out).as_str() {
-        "gif" => vector::gif(moments).with_context(place)?,
-        "webp" => vector::webp(moments).with_context(place)?,
-        _ => {
-            files.make_folder(&args.out)?;
-            let name = |f: usize| args.out.join(format!("{f:04}.png"));
-            (0..moments.len()).try_for_each(|f| files.check_output(&name(f)))?;
-            let mut all = 0;
-            for (f, (picture, _)) in moments.iter().enumerate() {
-                let bytes = picture.to_png().with_context(place)?;
-                files.write(&name(f), &bytes)?;
-                all += bytes.len();
-            }
-            return Ok(all);
+    let movie = encoded(&files::extension(&args.out), moments).with_context(place)?;
+    let Some(bytes) = movie else {
+        files.make_folder(&args.out)?;
+        let name = |f: usize| args.out.join(format!("{f:04}.png"));
+        (0..moments.len()).try_for_each(|f| files.check_output(&name(f)))?;
+        let mut all = 0;
+        for (f, (picture, _)) in moments.iter().enumerate() {
+            let bytes = picture.to_png().with_context(place)?;
+            files.write(&name(f), &bytes)?;
+            all += bytes.len();
         }
+        return Ok(all);
     };
     files.write(&args.out, &bytes)?;
     Ok(bytes.len())
