@@ -1,7 +1,7 @@
 //! Triangles around the end of an edge, which bound how far a corner may move across the edge.
 
-use super::neighbours::Neighbour;
-use super::underlap::{Sealer, outward};
+use super::clip::PlanarClip;
+use super::neighbours::{Neighbour, Neighbours, outward};
 use glam::Vec2;
 
 /// Maximum number of triangles of a fan; a corner does not move past more.
@@ -51,7 +51,7 @@ impl Fan {
     /// `share` returns how much of a triangle may be painted over, 0 to 1, given its vertex at the
     /// corner; `None` if it is not drawn.
     pub(super) fn new(
-        sealer: &Sealer<'_>,
+        (clip, neighbours): (&PlanarClip, &Neighbours),
         frame: usize,
         first: Neighbour,
         at_start: bool,
@@ -59,13 +59,13 @@ impl Fan {
     ) -> Self {
         let mut fan = Self::default();
         let edge = {
-            let places = sealer.clip.places(frame, first.triangle as usize);
+            let places = clip.places(frame, first.triangle as usize);
             -outward(&places, (first.apex as usize + 1) % 3)
         };
         let mut at = Some(first);
         while let Some(n) = at.filter(|_| fan.len < MAX_STEPS) {
             let (triangle, apex) = (n.triangle as usize, n.apex as usize);
-            let places = sealer.clip.places(frame, triangle);
+            let places = clip.places(frame, triangle);
             // The neighbour has the opposite direction: its edge to the apex begins at the start.
             let (corner, next, far) = if at_start {
                 ((apex + 2) % 3, (apex + 2) % 3, apex)
@@ -75,13 +75,13 @@ impl Fan {
             // The triangle across an edge that may be painted over most, and how far.
             let beyond = |edge: usize| {
                 let mut best = (OUTSIDE_PX, None);
-                for n in sealer.neighbours.across(triangle, edge) {
-                    let height = sealer.height(frame, (triangle, edge), *n);
+                for n in neighbours.across(triangle, edge) {
+                    let height = n.height(clip, frame, (triangle, edge));
                     if height <= 0.0 {
                         continue;
                     }
                     let at_corner = if at_start { n.apex + 2 } else { n.apex + 1 };
-                    let corners = sealer.clip.triangles[n.triangle as usize];
+                    let corners = clip.triangles[n.triangle as usize];
                     let reach = share(*n, corners[at_corner as usize % 3]).map_or(0.0, |share| {
                         height.min((height * share).max(FOREIGN_PX)).max(OUTSIDE_PX)
                     });

@@ -8,10 +8,10 @@
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
-use super::neighbours::Neighbours;
+use super::neighbours::{Neighbours, faces_viewer};
 use super::order::{Layer, Overlaps};
 use super::shading::{drawn_frames, flat_color};
-use super::underlap::{OutlineEdge, Sealer, UnderlapOptions, faces_viewer};
+use super::underlap::{OutlineEdge, Sealer, UnderlapOptions};
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -1,6 +1,7 @@
 //! Triangles across the edges of a triangle.
 
 use super::clip::PlanarClip;
+use glam::Vec2;
 
 /// Edges with more triangles than this on the other side have no neighbours.
 const MAX_NEIGHBOURS: usize = 8;
@@ -65,4 +66,34 @@ impl Neighbours {
         let i = 3 * triangle + edge;
         &self.entries[self.first[i] as usize..self.first[i + 1] as usize]
     }
+}
+
+impl Neighbour {
+    /// How far the triangle reaches beyond an edge, a triangle and the corner at which it starts;
+    /// pixels, 0 if it does not face the viewer.
+    pub(super) fn height(
+        self,
+        clip: &PlanarClip,
+        frame: usize,
+        (triangle, edge): (usize, usize),
+    ) -> f32 {
+        let places = clip.places(frame, self.triangle as usize);
+        if !faces_viewer(&places) {
+            return 0.0;
+        }
+        let corners = clip.places(frame, triangle);
+        let apex = places[self.apex as usize];
+        outward(&corners, edge).dot(apex - corners[edge]).max(0.0)
+    }
+}
+
+/// Whether corners run counter-clockwise to the viewer (y points down).
+pub(crate) fn faces_viewer([a, b, c]: &[Vec2; 3]) -> bool {
+    (*b - *a).perp_dot(*c - *a) < 0.0
+}
+
+/// Outward unit normal of an edge; zero if the edge has no length.
+pub(super) fn outward(corners: &[Vec2; 3], edge: usize) -> Vec2 {
+    let along = corners[(edge + 1) % 3] - corners[edge];
+    Vec2::new(-along.y, along.x).normalize_or_zero()
 }

@@ -15,7 +15,7 @@
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::fan::{Fan, Wall};
-use super::neighbours::{Neighbour, Neighbours};
+use super::neighbours::{Neighbour, Neighbours, faces_viewer, outward};
 use super::order::Painting;
 use glam::Vec2;
 
@@ -95,8 +95,8 @@ pub(crate) fn ranks(clip: &PlanarClip, order: &[u32]) -> Vec<Option<u32>> {
 /// Moves the edges of drawn triangles under neighbours that are painted later.
 #[derive(Debug, Clone)]
 pub(crate) struct Sealer<'a> {
-    pub(super) clip: &'a PlanarClip,
-    pub(crate) neighbours: Neighbours,
+    clip: &'a PlanarClip,
+    neighbours: Neighbours,
     distance: f32,
 }
 
@@ -169,7 +169,7 @@ impl<'a> Sealer<'a> {
     ) -> Side {
         let mut best: Option<(f32, Neighbour)> = None;
         for n in self.neighbours.across(triangle, edge) {
-            let reach = self.height(frame, (triangle, edge), *n);
+            let reach = n.height(self.clip, frame, (triangle, edge));
             if reach > best.map_or(0.0, |(reach, _)| reach) && is_later(n.triangle) {
                 best = Some((reach, *n));
             }
@@ -187,7 +187,7 @@ impl<'a> Sealer<'a> {
                 }
                 rank(n.triangle).map(|_| self.alike(frame, own[corner], vertex))
             };
-            Fan::new(self, frame, first, at_start, share)
+            Fan::new((self.clip, &self.neighbours), frame, first, at_start, share)
         };
         let fans = [fan(edge, true), fan((edge + 1) % 3, false)];
         // Across a sliver, the reach behind it is added.
@@ -208,22 +208,6 @@ impl<'a> Sealer<'a> {
         let off = (0..3).map(|k| (p[k] - q[k]).abs()).fold(0.0, f32::max);
         (1.5 - off / ALIKE).clamp(0.0, 1.0)
     }
-
-    /// How far a neighbour reaches beyond an edge, pixels; 0 if it does not face the viewer.
-    pub(super) fn height(
-        &self,
-        frame: usize,
-        (triangle, edge): (usize, usize),
-        across: Neighbour,
-    ) -> f32 {
-        let places = self.clip.places(frame, across.triangle as usize);
-        if !faces_viewer(&places) {
-            return 0.0;
-        }
-        let corners = self.clip.places(frame, triangle);
-        let apex = places[across.apex as usize];
-        outward(&corners, edge).dot(apex - corners[edge]).max(0.0)
-    }
 }
 
 /// How far a triangle may reach across one of its edges.
@@ -234,17 +218,6 @@ struct Side {
     reach: [f32; 2],
     /// Triangles beyond the edge, around its start and its end.
     fans: [Fan; 2],
-}
-
-/// Whether corners run counter-clockwise to the viewer (y points down).
-pub(crate) fn faces_viewer([a, b, c]: &[Vec2; 3]) -> bool {
-    (*b - *a).perp_dot(*c - *a) < 0.0
-}
-
-/// Outward unit normal of an edge; zero if the edge has no length.
-pub(super) fn outward(corners: &[Vec2; 3], edge: usize) -> Vec2 {
-    let along = corners[(edge + 1) % 3] - corners[edge];
-    Vec2::new(-along.y, along.x).normalize_or_zero()
 }
 
 /// Moves each edge outward by its reach, at most by the distance.
@@ -282,15 +255,13 @@ fn way(before: &(Vec2, Side), after: &(Vec2, Side), distance: f32) -> Vec2 {
             };
             sides.into_iter().map(excess).fold(0.0, f32::max)
         },
-        || {
-            sides.into_iter().flat_map(|((normal, side), end)| {
-                let edge = Wall {
-                    normal: *normal,
-                    reach: side.reach[end].min(distance),
-                };
-                std::iter::once(edge).chain(side.fans[end].walls())
-            })
-        },
+        sides.into_iter().flat_map(|((normal, side), end)| {
+            let edge = Wall {
+                normal: *normal,
+                reach: side.reach[end].min(distance),
+            };
+            std::iter::once(edge).chain(side.fans[end].walls())
+        }),
     )
 }
 
@@ -333,11 +304,11 @@ impl Pull {
 
     /// The displacement of least error that lies beyond no wall, shortened to a length; `excess`
     /// is how far one lies beyond a wall.
-    fn within<W: Iterator<Item = Wall>>(
+    fn within(
         &self,
         furthest: f32,
         excess: impl Fn(Vec2) -> f32,
-        walls: impl Fn() -> W,
+        walls: impl Iterator<Item = Wall>,
     ) -> Vec2 {
         let is_inside = |way: Vec2| excess(way) <= SLACK_PX;
         let free = self.solved().clamp_length_max(furthest);
@@ -346,7 +317,7 @@ impl Pull {
         }
         let mut all = [Wall::default(); MAX_WALLS];
         let mut count = 0;
-        for (slot, wall) in all.iter_mut().zip(walls()) {
+        for (slot, wall) in all.iter_mut().zip(walls) {
             *slot = wall;
             count += 1;
         }
