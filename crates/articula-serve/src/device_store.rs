@@ -2,8 +2,7 @@
 #![allow(clippy::disallowed_methods, reason = "the store is a folder")]
 
 use crate::error::ServeError;
-use crate::objects::{ObjectName, write};
-use crate::record::read;
+use crate::objects::{ObjectName, read, write};
 use articula::device::{DeviceDescription, DeviceReport};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};

@@ -4,9 +4,9 @@
 use crate::catalogue::{Catalogue, Progress};
 use crate::error::ServeError;
 use crate::metrics::Metrics;
-use crate::objects::{Coding, ObjectName, Objects, write};
+use crate::objects::{Coding, ObjectName, Objects, read, write};
 use crate::query::Refusal;
-use crate::record::{Served, read};
+use crate::record::Served;
 use crate::reply::{blocking, fault, later};
 use articula::item::Item;
 use axum::http::StatusCode;

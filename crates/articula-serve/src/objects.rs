@@ -235,6 +235,15 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), ServeError> {
     })
 }
 
+/// A file, if it is there.
+pub(crate) fn read(path: &Path) -> Result<Option<Vec<u8>>, ServeError> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(ServeError::store(path, &error)),
+    }
+}
+
 /// Removes a file.
 pub(crate) fn remove(path: &Path) -> Result<(), ServeError> {
     fs::remove_file(path).map_err(|error| ServeError::store(path, &error))

@@ -1,14 +1,14 @@
 //! What is known of a source that was packaged, so that it never is again.
 
 use crate::error::ServeError;
-use crate::objects::{Coding, ObjectName, Objects, write};
+use crate::objects::{Coding, ObjectName, Objects, read, write};
 use crate::options::ServeOptions;
 use crate::source::Source;
 use articula::formats::Limits;
 use articula::item::{FileEntry, Item, MANIFEST, Manifest, compressed};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// An item, whole or a stage of it, whose files are objects.
@@ -148,15 +148,5 @@ impl Records {
         hasher.update(self.how.as_bytes());
         self.folder
             .join(format!("{}.json", hasher.finalize().to_hex()))
-    }
-}
-
-/// A file, if it is there.
-#[allow(clippy::disallowed_methods, reason = "the store is a folder")]
-pub(crate) fn read(path: &Path) -> Result<Option<Vec<u8>>, ServeError> {
-    match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(bytes)),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(ServeError::store(path, &error)),
     }
 }

@@ -2,7 +2,7 @@
 #![allow(clippy::disallowed_methods, reason = "the store is a folder")]
 
 use crate::error::ServeError;
-use crate::record::read;
+use crate::objects::read;
 use articula::item::CarriedFile;
 use std::path::Path;
 

@@ -7,8 +7,7 @@
 use crate::catalogue::Catalogue;
 use crate::error::ServeError;
 use crate::made::Record;
-use crate::objects::{Coding, remove};
-use crate::record::read;
+use crate::objects::{Coding, read, remove};
 use articula::item::Manifest;
 use std::collections::BTreeSet;
 use std::fs;
