@@ -58,6 +58,8 @@ pub(crate) struct Waiting {
 #[derive(Debug)]
 struct Character {
     file: PathBuf,
+    /// The file of the record of what it was packaged to.
+    record: PathBuf,
     /// Raised with each file of this name.
     generation: u64,
     state: watch::Sender<CharacterState>,
@@ -96,7 +98,7 @@ impl Catalogue {
         let made = root.join(MADE);
         let catalogue = Self(Arc::new(Shared {
             root: root.to_path_buf(),
-            objects: Objects::new(made.join("objects"), options.most_recent_bytes),
+            objects: Objects::new(made.join("objects"), options),
             records: Records::new(made.join("items"), options),
             made: Making::new(made.join("queries"), options.packaging),
             uploads: Semaphore::new(options.most_uploads),
@@ -192,7 +194,8 @@ impl Catalogue {
 
     fn add(&self, name: String, file: PathBuf) -> Result<CharacterState, ServeError> {
         let source = Source::read(&file)?;
-        let served = self.0.records.get(&source, &self.0.objects)?;
+        let record = self.0.records.path(&source);
+        let served = self.0.records.get(&record, &self.0.objects)?;
         let progress = match (&served, self.0.options.read_only) {
             (Some(_), _) => Progress::Ready,
             (None, true) => {
@@ -209,7 +212,7 @@ impl Catalogue {
             .unwrap_or_else(PoisonError::into_inner);
         match characters.get_mut(&name) {
             Some(known) => {
-                known.file = file;
+                (known.file, known.record) = (file, record);
                 known.generation += 1;
                 known.state.send_replace(state.clone());
             }
@@ -217,6 +220,7 @@ impl Catalogue {
                 let sender = watch::Sender::new(state.clone());
                 let character = Character {
                     file,
+                    record,
                     generation: 0,
                     state: sender,
                 };
@@ -310,16 +314,9 @@ impl Catalogue {
     }
 
     /// The records of the sources of all characters, whether they are there or not.
-    pub(crate) fn record_files(&self) -> Result<BTreeSet<PathBuf>, ServeError> {
-        let sources: Vec<PathBuf> = {
-            let characters = read_lock(&self.0.characters);
-            characters.values().map(|c| c.file.clone()).collect()
-        };
-        let path = |file: PathBuf| {
-            let source = Source::read(&file)?;
-            Ok(self.0.records.path(&source))
-        };
-        sources.into_iter().map(path).collect()
+    pub(crate) fn record_files(&self) -> BTreeSet<PathBuf> {
+        let characters = read_lock(&self.0.characters);
+        characters.values().map(|c| c.record.clone()).collect()
     }
 
     pub(crate) fn records(&self) -> &Records {

@@ -2,6 +2,7 @@
 #![allow(clippy::disallowed_methods, reason = "the store is a folder")]
 
 use crate::error::ServeError;
+use crate::options::ServeOptions;
 use articula::item::decompressed;
 use axum::body::Bytes;
 use flate2::Compression;
@@ -57,6 +58,8 @@ const MOST_BYTES: u64 = 1 << 30;
 #[derive(Debug)]
 pub(crate) struct Objects {
     folder: PathBuf,
+    /// Whether forms that are made when they are asked for stay in memory alone.
+    read_only: bool,
     /// What was asked for last, each checked against its name.
     recent: Recent,
 }
@@ -93,11 +96,12 @@ impl Weighter<(ObjectName, Coding), Bytes> for ByBytes {
 }
 
 impl Objects {
-    /// Objects of a folder, of which so many bytes are kept in memory.
-    pub(crate) fn new(folder: PathBuf, most_bytes: u64) -> Self {
+    /// Objects of a folder, of which as many bytes are kept in memory as the options say.
+    pub(crate) fn new(folder: PathBuf, options: &ServeOptions) -> Self {
         Self {
             folder,
-            recent: cache(most_bytes),
+            read_only: options.read_only,
+            recent: cache(options.most_recent_bytes),
         }
     }
 
@@ -174,8 +178,10 @@ impl Objects {
             && let Some(whole) = self.get(name, Coding::Identity)?
         {
             let short = Bytes::from(zipped(&whole));
-            // A store that takes nothing is served nevertheless.
-            let _ = write(&self.path(name, coding), &short);
+            if !self.read_only {
+                // A store that takes nothing is served nevertheless.
+                let _ = write(&self.path(name, coding), &short);
+            }
             self.recent.insert((name.clone(), coding), short.clone());
             return Ok(Some(short));
         }
@@ -278,7 +284,11 @@ mod tests {
         let name = ObjectName::of(&walk);
         // In memory, and too large for it.
         for most_bytes in [1 << 20, 10] {
-            let objects = Objects::new(folder.path().join(format!("{most_bytes}")), most_bytes);
+            let options = ServeOptions {
+                most_recent_bytes: most_bytes,
+                ..ServeOptions::default()
+            };
+            let objects = Objects::new(folder.path().join(format!("{most_bytes}")), &options);
             assert_eq!(objects.get(&name, Coding::Identity).unwrap(), None);
             objects.put(&name, Coding::Identity, &walk).unwrap();
             assert_eq!(objects.get(&name, Coding::Brotli).unwrap(), None);
@@ -297,9 +307,32 @@ mod tests {
     }
 
     #[test]
+    fn a_store_that_is_only_read_gets_no_new_form() {
+        let folder = tempfile::tempdir().unwrap();
+        let walk = b"walk ".repeat(50);
+        let name = ObjectName::of(&walk);
+        let files = |read_only| {
+            let options = ServeOptions {
+                read_only,
+                ..ServeOptions::default()
+            };
+            let objects = Objects::new(folder.path().to_owned(), &options);
+            let short = articula::item::compressed("a.txt", &walk).unwrap();
+            objects.put(&name, Coding::Identity, &walk).unwrap();
+            objects.put(&name, Coding::Brotli, &short).unwrap();
+            let zipped = objects.get(&name, Coding::Gzip).unwrap().unwrap();
+            assert_eq!(unzipped(&zipped).unwrap(), walk);
+            fs::read_dir(folder.path().join(&name.as_str()[..2]))
+                .unwrap()
+                .count()
+        };
+        assert_eq!((files(true), files(false)), (2, 3));
+    }
+
+    #[test]
     fn bytes_of_another_name_are_never_returned() {
         let folder = tempfile::tempdir().unwrap();
-        let objects = Objects::new(folder.path().to_owned(), 1 << 20);
+        let objects = Objects::new(folder.path().to_owned(), &ServeOptions::default());
         let walk = b"walk ".repeat(50);
         let name = ObjectName::of(&walk);
         for (coding, wrong) in [

@@ -8,7 +8,7 @@ use articula::formats::Limits;
 use articula::item::{FileEntry, Item, MANIFEST, Manifest, compressed};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// An item, whole or a stage of it, whose files are objects.
@@ -112,10 +112,10 @@ impl Records {
     /// Returns the item of a source, if it was packaged and all of its manifest is there.
     pub(crate) fn get(
         &self,
-        source: &Source,
+        record: &Path,
         objects: &Objects,
     ) -> Result<Option<Served>, ServeError> {
-        let Some(record) = read(&self.path(source))? else {
+        let Some(record) = read(record)? else {
             return Ok(None);
         };
         let record: Option<Record> = serde_json::from_slice(&record).ok();

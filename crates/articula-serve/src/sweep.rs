@@ -37,7 +37,7 @@ pub(crate) fn sweep(catalogue: &Catalogue) -> Result<u64, ServeError> {
         }
     }
     objects.extend(items.iter().cloned());
-    let records = catalogue.record_files()?;
+    let records = catalogue.record_files();
     for path in files(&catalogue.folder("items"))? {
         if !records.contains(&path) {
             drop_old(&path);
