@@ -56,7 +56,7 @@ pub(crate) fn check() -> Result<Outcome> {
     let lanes = ["-p", "articula-core", "--lib", "--", "simd", "math"];
     let said = output(call("test").args(lanes))?;
     anyhow::ensure!(said.contains(COMPARISON), "no such test ran: {COMPARISON}");
-    run(call("build").args(["--quiet", "-p", platform::PLAYBACK]))?;
+    run(call("build").args(["--quiet", "-p", platform::PLAYBACK, "--no-default-features"]))?;
     let program = platform::built(TARGET).join(platform::PLAYBACK);
     let mut emulated = Command::new(emulator);
     let found = output(emulated.arg("-L").arg(libraries).arg(program))?;

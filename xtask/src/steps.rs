@@ -67,7 +67,7 @@ const STEPS: &[&[Step]] = &[
         step("cut alone", 2.0, cut_alone),
     ],
     &[
-        step("playback in node", 1.5, |_| wasm::playback()),
+        step("playback in node", 3.0, |_| wasm::playback()),
         step("neon under emulation", 3.0, |_| neon::check()),
     ],
 ];

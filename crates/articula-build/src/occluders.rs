@@ -15,6 +15,7 @@
 use crate::character::Asset;
 use crate::motion_bounds::reach::Reach;
 use crate::motion_bounds::{Body, SampleTime, sample_times};
+use articula_core::Libm;
 use articula_core::{Capsule, Clip, Track, triangle_distance_squared};
 use glam::Vec3;
 
@@ -273,7 +274,7 @@ impl Skin {
             let (la, lb, lc) = (a.length(), b.length(), c.length());
             let volume = a.dot(b.cross(c));
             let rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-            2.0 * volume.atan2(rest)
+            2.0 * volume.libm_atan2(rest)
         };
         let whole = 4.0 * std::f64::consts::PI;
         let winds = (self.faces.iter().map(angle).sum::<f64>() / whole).abs();

@@ -16,7 +16,7 @@ pub fn hash_bytes(bytes: &[u8]) -> u64 {
 pub fn rig_hash(rig: &Rig) -> u64 {
     let mut hash = SourceHash::default();
     for joint in 0..rig.len() {
-        hash.number(rig.parent(joint).unwrap_or(usize::MAX));
+        hash.index(rig.parent(joint));
         hash.text(rig.name(joint));
         hash.transform(&rig.rest_pose().get(joint));
     }
@@ -52,6 +52,12 @@ impl SourceHash {
     /// Adds a number.
     pub fn number(&mut self, value: usize) {
         self.put(&(value as u64).to_le_bytes());
+    }
+
+    /// Adds an index; `u64::MAX`, on any platform, for none.
+    pub fn index(&mut self, index: Option<usize>) {
+        let index = index.map_or(u64::MAX, |index| index as u64);
+        self.put(&index.to_le_bytes());
     }
 
     /// Adds a text.

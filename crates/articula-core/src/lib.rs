@@ -85,6 +85,7 @@ mod clip_set;
 mod clustered;
 mod contact;
 mod drift;
+mod elementary;
 mod figure_level;
 mod hierarchy;
 mod impostors;
@@ -138,8 +139,9 @@ pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
 pub use level_skins::{LevelSkin, LevelSkins};
 pub use level_table::{LevelRow, LevelTable, SurfaceError};
 
+pub use elementary::{Libm, LibmQuat};
 pub use lod_error::{ClipLodErrors, LodErrors, SMALL_PART, lod_error_metres};
-pub use math::{Transform, angle_between, nlerp, rotation_vector, same_hemisphere};
+pub use math::{Transform, angle_between, nlerp, normalised, rotation_vector, same_hemisphere};
 pub use mesh::{Binding, Mesh, Morph, Part};
 pub use mesh_level::{MeshChoice, MeshErrors};
 pub use mismatch::Mismatch;

@@ -3,6 +3,7 @@
 //! [`dot`], [`normalised`] and [`cross`] replace those of `glam` in a frame: its versions for
 //! AArch64 sum in another order or round once where the others round twice.
 
+use crate::Libm;
 use glam::{Affine3A, Mat4, Quat, Vec3, Vec3A, Vec3Swizzles, Vec4, Vec4Swizzles};
 
 /// A transform as scale, rotation and translation, applied in this order (as in glTF).
@@ -77,7 +78,7 @@ pub(crate) fn dot(a: Quat, b: Quat) -> f32 {
 }
 
 /// Returns a quaternion divided by its length; not finite if that is 0.
-pub(crate) fn normalised(q: Quat) -> Quat {
+pub fn normalised(q: Quat) -> Quat {
     q / dot(q, q).sqrt()
 }
 
@@ -98,7 +99,7 @@ pub fn same_hemisphere(a: Quat, b: Quat) -> Quat {
 pub fn angle_between(a: Quat, b: Quat) -> f32 {
     let relative = a.conjugate() * b;
     let sine = Vec3::new(relative.x, relative.y, relative.z).length();
-    2.0 * sine.atan2(relative.w.abs())
+    2.0 * sine.libm_atan2(relative.w.abs())
 }
 
 /// Interpolates rotations linearly along the shorter arc and normalises the result; `t` is not
@@ -117,7 +118,7 @@ pub fn rotation_vector(a: Quat, b: Quat) -> Vec3 {
     if sine < 1e-9 {
         return 2.0 * v;
     }
-    v * (2.0 * sine.atan2(relative.w) / sine)
+    v * (2.0 * sine.libm_atan2(relative.w) / sine)
 }
 
 #[cfg(test)]

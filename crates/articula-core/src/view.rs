@@ -3,6 +3,7 @@
 //! Source: `docs/methods/motion-lod.md` part 0. A length of one metre at view depth `z`,
 //! perpendicular to the viewing direction, spans `height / (2 z tan(fov / 2))` pixels.
 
+use crate::Libm;
 use glam::{Quat, Vec2, Vec3};
 
 /// Size and field of view of the picture.
@@ -31,7 +32,7 @@ impl Viewport {
     /// Number of pixels that one metre spans at a depth in metres; depths below a millimetre count
     /// as a millimetre, so the result is finite.
     pub fn pixels_per_metre(&self, depth_m: f32) -> f32 {
-        self.height_px / (2.0 * depth_m.max(1e-3) * (0.5 * self.fov_y_radians).tan())
+        self.height_px / (2.0 * depth_m.max(1e-3) * (0.5 * self.fov_y_radians).libm_tan())
     }
 }
 

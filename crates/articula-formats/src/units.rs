@@ -4,6 +4,7 @@
 
 use crate::error::{Assumption, ReadError, Warning};
 use crate::stature::{Bones, Stature};
+use articula_core::LibmQuat;
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
@@ -127,7 +128,7 @@ pub(crate) fn scale(size: Size) -> (f32, Option<String>) {
 
 /// Returns the rotation that turns +Z up into +Y up.
 pub(crate) fn y_from_z() -> Quat {
-    Quat::from_rotation_x(-FRAC_PI_2)
+    Quat::libm_rotation_x(-FRAC_PI_2)
 }
 
 /// The figure at rest, in file units, from which its posture and size are determined.

@@ -1,6 +1,6 @@
 //! Palettes of batches, in every form and storage, by the fastest instruction set of the platform.
 
-use crate::Fnv;
+use crate::fnv::Fnv;
 use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{
     Backend, Clip, ClipSet, ClipStorage, JointLods, Mismatch, PaletteForm, PaletteMap, PaletteRows,

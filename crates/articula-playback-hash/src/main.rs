@@ -9,6 +9,7 @@
 
 mod batch;
 mod figure;
+mod fnv;
 mod stream;
 
 use articula_core::crowd::ClipState;
@@ -22,6 +23,7 @@ use articula_core::{
     DriftController, DriftOptions, GroupedSkin, JointErrorBounds, JointSet, Mesh, Mismatch,
     SecondMoment,
 };
+use fnv::Fnv;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -77,7 +79,7 @@ fn hash() -> Result<u64, Mismatch> {
     let stored = TableController::new(keys.collect::<Result<_, _>>()?, shares, 1.0);
     let mut loa = LoaController::new(&rig, range()?, linear, FullDetail::default());
     let mut bounded = LoaController::new(&rig, range()?, linear, drift.clone());
-    let mut sum = Fnv(0xcbf2_9ce4_8422_2325);
+    let mut sum = Fnv::default();
     stream::decode(&mut sum)?;
     batch::evaluate(&rig, &clips, &mut sum)?;
     let stage = Stage {
@@ -97,7 +99,7 @@ fn hash() -> Result<u64, Mismatch> {
         bounded.request(level);
         stage.play(&mut bounded, &mut sum)?;
     }
-    Ok(sum.0)
+    Ok(sum.finish())
 }
 
 /// What every run shares.
@@ -143,21 +145,5 @@ impl Stage {
             positions.iter().for_each(|p| sum.floats(&p.to_array()));
         }
         Ok(())
-    }
-}
-
-struct Fnv(u64);
-
-impl Fnv {
-    fn bytes(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-
-    fn floats(&mut self, values: &[f32]) {
-        values
-            .iter()
-            .for_each(|v| self.bytes(&v.to_bits().to_le_bytes()));
     }
 }

@@ -1,6 +1,6 @@
 //! A stored motion stream: its whole numbers, and the rotations and translations made of them.
 
-use crate::Fnv;
+use crate::fnv::Fnv;
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{Articulation, JointArticulation, Mismatch, Region, Rig, Transform};
 use articula_stream::abp2::{MotionHead, MotionReceiver};

@@ -1,5 +1,6 @@
 //! Facing direction of a character.
 
+use articula_core::Libm;
 use articula_core::{Articulation, ModelPose, Rig};
 use glam::Vec3;
 
@@ -21,5 +22,5 @@ pub(crate) fn facing_of(articulation: &Articulation, place: impl Fn(usize) -> Ve
     if forward.length() < 1e-4 {
         return 0.0;
     }
-    forward.x.atan2(forward.z)
+    forward.x.libm_atan2(forward.z)
 }

@@ -17,7 +17,8 @@ pub(crate) fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
 pub(crate) fn rig_hash(rig: &Rig) -> u64 {
     let mut hash = Fnv::default();
     for joint in 0..rig.len() {
-        hash.number(rig.parent(joint).unwrap_or(usize::MAX));
+        let parent = rig.parent(joint).map_or(u64::MAX, |parent| parent as u64);
+        hash.bytes(&parent.to_le_bytes());
         hash.bytes(rig.name(joint).as_bytes());
         let rest = rig.rest_pose().get(joint);
         hash.floats(&rest.translation.to_array());

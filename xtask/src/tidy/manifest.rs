@@ -26,7 +26,7 @@ const PROGRAMS: &[&str] = &["articula-cli", "articula-lab"];
 const ABOVE: &[&str] = &["articula-report", "articula-serve"];
 
 /// All allowed dependencies of the core.
-const CORE_MAY_USE: &[&str] = &["glam"];
+const CORE_MAY_USE: &[&str] = &["glam", "libm"];
 
 /// Finds dependencies that the crate map in ARCHITECTURE.md does not have.
 pub(crate) fn crate_edges(tree: &Tree) -> Vec<Fault> {

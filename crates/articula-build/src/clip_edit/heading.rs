@@ -1,12 +1,13 @@
 //! Heading of a rotated body.
 
+use articula_core::Libm;
 use glam::Quat;
 
 /// Returns the part of a rotation that is about the vertical, radians from -pi to pi: the twist of
 /// its swing-twist decomposition. A rotation by half a circle about a level axis has none and
 /// yields 0.
 pub(crate) fn yaw(turn: Quat) -> f32 {
-    let half = turn.y.atan2(turn.w);
+    let half = turn.y.libm_atan2(turn.w);
     wrapped(2.0 * half)
 }
 

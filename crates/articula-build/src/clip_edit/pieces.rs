@@ -1,5 +1,6 @@
 //! Linear pieces that follow a motion: the times of their keys, and channels of them.
 
+use articula_core::LibmQuat;
 use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property};
 use articula_core::{Transform, same_hemisphere};
 
@@ -106,7 +107,9 @@ impl ComputedJoint<'_> {
 pub(crate) fn blend(a: Transform, b: Transform, t: f32) -> Transform {
     Transform {
         translation: a.translation.lerp(b.translation, t),
-        rotation: a.rotation.slerp(same_hemisphere(a.rotation, b.rotation), t),
+        rotation: a
+            .rotation
+            .libm_slerp(same_hemisphere(a.rotation, b.rotation), t),
         scale: a.scale.lerp(b.scale, t),
     }
 }

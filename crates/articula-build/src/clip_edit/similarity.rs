@@ -1,6 +1,7 @@
 //! Similarity transforms: rotation, uniform scale and translation, in double precision because
 //! inverses of armatures of scale 100 are multiplied with their originals.
 
+use articula_core::LibmQuat;
 use articula_core::Transform;
 use glam::{DQuat, DVec3};
 use std::ops::Mul;
@@ -40,7 +41,7 @@ impl Similarity {
 
     /// A rotation about the vertical that takes one point of the ground to another.
     pub(crate) fn on_ground(yaw: f64, from: DVec3, to: DVec3) -> Self {
-        let rotation = DQuat::from_rotation_y(yaw);
+        let rotation = DQuat::libm_rotation_y(yaw);
         let level = |p: DVec3| DVec3::new(p.x, 0.0, p.z);
         Self {
             translation: level(to) - rotation * level(from),

@@ -4,6 +4,7 @@
 use super::method::Method;
 use super::playbacks::play;
 use super::stage::{ClipEvaluator, MethodRun};
+use articula_core::Libm;
 
 /// Number of times that an interval of the sweep is halved: a step of a third becomes one of 0.03 %.
 const HALVINGS: usize = 10;
@@ -12,7 +13,7 @@ const HALVINGS: usize = 10;
 /// parameter: 24 or 26 geometric steps; every whole number of frames up to 26; every level.
 fn parameters(method: &Method) -> Vec<f32> {
     let geometric = |from: f32, to: f32, steps: usize| -> Vec<f32> {
-        let ratio = (to / from).powf(1.0 / (steps - 1) as f32);
+        let ratio = (to / from).libm_powf(1.0 / (steps - 1) as f32);
         (0..steps).map(|i| from * ratio.powi(i as i32)).collect()
     };
     match method {

@@ -12,6 +12,7 @@ use crate::motion_error::hull::JointHull;
 use crate::motion_error::joint_lever::JointLever;
 use crate::motion_error::levers::{hulls, levers};
 use crate::motion_error::tables::key_table;
+use articula_core::Libm;
 use articula_core::playback::{ErrorMatrix, StoredKeys};
 use articula_core::{
     Clip, Contact, JointSet, KeyMode, KeyTable, LocalPose, ModelPose, Viewport, Wrap,
@@ -214,7 +215,7 @@ impl<'a> ClipEvaluator<'a> {
     /// Unit directions from the figure to each camera.
     pub(crate) fn view_directions(&self) -> impl Iterator<Item = Vec3> + '_ {
         self.setup.azimuths_deg.iter().map(|a| {
-            let (sin, cos) = a.to_radians().sin_cos();
+            let (sin, cos) = a.to_radians().libm_sin_cos();
             Vec3::new(sin, 0.0, cos)
         })
     }

@@ -7,6 +7,7 @@ use super::resolve;
 use crate::clip::MAX_NUMBERS;
 use crate::key_times::SAME_SECS;
 use crate::sampling_rate::source_rate_hz;
+use articula_core::LibmQuat;
 use articula_core::source::{
     Channel, Character, Expression, Interpolation, JUMP_SECS, JointBinding, Property, RawClip,
     evaluate,
@@ -384,7 +385,7 @@ fn drive(
     if property == Property::Rotation {
         let whole = rest.rotation.conjugate() * binding.full.rotation;
         let whole = same_hemisphere(Quat::IDENTITY, whole);
-        let turn = Quat::IDENTITY.slerp(whole, value);
+        let turn = Quat::IDENTITY.libm_slerp(whole, value);
         let turned = (Quat::from_slice(part) * turn).normalize();
         part.copy_from_slice(&turned.to_array());
         return;

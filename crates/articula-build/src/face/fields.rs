@@ -1,6 +1,7 @@
 //! How far the controls and the eyeballs of a face move its vertices.
 
 use super::fap_values::FapValues;
+use articula_core::LibmQuat;
 use articula_core::fap_table::ANGLE_UNIT;
 use glam::{Quat, Vec3};
 
@@ -120,7 +121,7 @@ impl FaceFields {
 /// Yaw, then pitch about the axis that the yaw has turned.
 fn turn([pitch, yaw]: &[usize; 2], values: &FapValues) -> Quat {
     let [pitch, yaw] = [pitch, yaw].map(|fap| values.get(*fap) * ANGLE_UNIT);
-    Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch)
+    Quat::libm_rotation_y(yaw) * Quat::libm_rotation_x(pitch)
 }
 
 #[cfg(test)]

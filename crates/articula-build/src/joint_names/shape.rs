@@ -6,6 +6,7 @@
 //! above the knees, which excludes four-legged animals.
 
 use super::rest;
+use articula_core::Libm;
 use articula_core::joint_names::JointTarget;
 use articula_core::source::Skeleton;
 use glam::Vec3;
@@ -131,7 +132,9 @@ impl Tree {
         let toes = leg
             .get(3)
             .map(|&toe| self.places[toe] - self.places[leg[2]]);
-        let forward = toes.filter(|t| t.x.hypot(t.z) > 1e-6).unwrap_or(Vec3::Z);
+        let forward = toes
+            .filter(|t| t.x.libm_hypot(t.z) > 1e-6)
+            .unwrap_or(Vec3::Z);
         Vec3::Y.cross(forward)
     }
 

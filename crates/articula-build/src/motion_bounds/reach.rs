@@ -5,6 +5,7 @@
 
 use crate::character::Asset;
 use crate::motion_error::joint_lever::JointLever;
+use articula_core::Libm;
 use articula_core::{Clip, Rig, Track, angle_between};
 use glam::Vec3;
 
@@ -96,7 +97,7 @@ impl Reach {
         let above = |joint: usize| rig.parent(joint).map_or(1.0, |p| self.scales[p]);
         for (joint, [a, b]) in moved(&clip.tracks().rotations, frame) {
             // A normalised blend is fastest in its middle: as if the angle were 4 tan(angle / 4).
-            let turn = 4.0 * (0.25 * angle_between(a, b)).tan();
+            let turn = 4.0 * (0.25 * angle_between(a, b)).libm_tan();
             ways[joint] += turn * self.scales[joint] * self.local[joint].unwrap_or(0.0);
         }
         for (joint, [a, b]) in moved(&clip.tracks().translations, frame) {

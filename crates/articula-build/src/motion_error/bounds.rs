@@ -2,6 +2,7 @@
 
 use super::levers::chain_counts;
 use crate::character::Asset;
+use articula_core::Libm;
 use articula_core::{Clip, JointErrorBounds, JointSet, angle_between};
 
 /// Distribution of a tolerance along a chain of joints.
@@ -84,7 +85,7 @@ pub fn joint_bounds(
         let fastest = track
             .values
             .windows(2)
-            .map(|w| 4.0 * (0.25 * angle_between(w[0], w[1])).tan())
+            .map(|w| 4.0 * (0.25 * angle_between(w[0], w[1])).libm_tan())
             .fold(0.0, f32::max);
         let fastest = jumps(track.step, fastest);
         let joint = &mut bounds[usize::from(track.target)];

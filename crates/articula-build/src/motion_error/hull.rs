@@ -4,6 +4,7 @@
 //! projected from a discretised half-sphere; `docs/methods/motion-lod.md` 4.1 states what it leaves
 //! open.
 
+use articula_core::Libm;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 
@@ -51,7 +52,7 @@ impl JointHull {
         let (right, up) = view.any_orthonormal_pair();
         let extent = |direction: Vec3| farthest(&self.points, direction).1;
         let apart = (0..OUTLINE).map(|i| {
-            let (sin, cos) = (TAU * i as f32 / OUTLINE as f32).sin_cos();
+            let (sin, cos) = (TAU * i as f32 / OUTLINE as f32).libm_sin_cos();
             let direction = cos * right + sin * up;
             (extent(direction) - extent(to_shown * direction)).abs()
         });
@@ -76,7 +77,7 @@ fn sphere(count: usize) -> impl Iterator<Item = Vec3> {
     (0..count).map(move |i| {
         let height = 1.0 - (2 * i + 1) as f32 / count as f32;
         let radius = (1.0 - height * height).sqrt();
-        let (sin, cos) = (golden * i as f32).sin_cos();
+        let (sin, cos) = (golden * i as f32).libm_sin_cos();
         Vec3::new(radius * cos, height, radius * sin)
     })
 }

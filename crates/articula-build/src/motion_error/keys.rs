@@ -4,6 +4,7 @@
 //! before they start the next one. A run of blends or of one rotation ends after at most
 //! [`LONGEST_RUN`] frames: testing ever longer runs is quadratic in their length.
 
+use articula_core::Libm;
 use articula_core::{angle_between, nlerp, same_hemisphere};
 use glam::Quat;
 use std::f32::consts::PI;
@@ -21,7 +22,7 @@ pub(crate) struct Reach {
 
 impl Reach {
     pub(crate) fn new(radians: f32) -> Self {
-        let half_chord = (0.25 * radians).sin();
+        let half_chord = (0.25 * radians).libm_sin();
         Self {
             chord_squared: if radians < PI {
                 4.0 * half_chord * half_chord

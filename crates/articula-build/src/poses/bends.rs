@@ -7,6 +7,7 @@
 use super::skin_pose::{PoseOrigin, SkinPose};
 use crate::character::Asset;
 use crate::split_mix::SplitMix;
+use articula_core::LibmQuat;
 use articula_core::{JointArticulation, ModelPose, Region, local_to_model};
 use glam::{Quat, Vec3};
 
@@ -79,7 +80,7 @@ impl Bends {
                 Bend::Hinge(axis, limit) => *axis * *limit * self.random.unit(),
             };
             if turn != Vec3::ZERO {
-                *rotation = (*rotation * Quat::from_scaled_axis(turn)).normalize();
+                *rotation = (*rotation * Quat::libm_scaled_axis(turn)).normalize();
             }
         }
         pose

@@ -5,6 +5,7 @@
 
 use super::Played;
 use crate::expression::resolve;
+use articula_core::LibmQuat;
 use articula_core::source::{
     Channel, Character, Expression, Interpolation, JointBinding, Property, RawClip, Skeleton,
 };
@@ -99,7 +100,7 @@ impl Reference<'_> {
             local.translation += value * (full.translation - rest.translation);
             local.scale += value * (full.scale - rest.scale);
             let turn = rest.rotation.conjugate() * full.rotation;
-            local.rotation *= DQuat::IDENTITY.slerp(turn, value);
+            local.rotation *= DQuat::IDENTITY.libm_slerp(turn, value);
         }
     }
 
@@ -220,7 +221,7 @@ fn at(channel: &Channel, secs: f64) -> Vec<f64> {
         (_, Property::Rotation) => {
             let [a, b] = [a, b].map(|v| unit(DVec4::from_slice(&v)));
             let b = if a.dot(b) < 0.0 { -b } else { b };
-            a.slerp(b, u).to_array().to_vec()
+            a.libm_slerp(b, u).to_array().to_vec()
         }
         _ => a.iter().zip(&b).map(|(a, b)| a + (b - a) * u).collect(),
     }

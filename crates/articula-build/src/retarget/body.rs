@@ -4,6 +4,7 @@
 
 use super::rest::Rest;
 use articula_core::Mismatch;
+use articula_core::{Libm, LibmQuat};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
@@ -190,7 +191,7 @@ fn axes(rest: &Rest, legs: &[Leg; 2]) -> Quat {
     } else {
         left
     };
-    let left = squared(left, SQUARE_RADIANS.cos()).unwrap_or(left);
+    let left = squared(left, SQUARE_RADIANS.libm_cos()).unwrap_or(left);
     let left = (left - up * up.dot(left)).normalize();
     Quat::from_mat3(&Mat3::from_cols(left, up, left.cross(up))).normalize()
 }
@@ -219,9 +220,9 @@ fn heading(axes: Quat) -> Quat {
     if facing.length() < 1e-3 {
         return Quat::IDENTITY;
     }
-    let angle = facing.x.atan2(facing.z);
+    let angle = facing.x.libm_atan2(facing.z);
     let quarter = (angle / FRAC_PI_2).round() * FRAC_PI_2;
-    Quat::from_rotation_y(if (angle - quarter).abs() < 1e-4 {
+    Quat::libm_rotation_y(if (angle - quarter).abs() < 1e-4 {
         quarter
     } else {
         angle

@@ -9,6 +9,7 @@
 
 use super::body::Body;
 use super::rest::Rest;
+use articula_core::LibmQuat;
 use glam::{Mat3, Quat, Vec3};
 use std::collections::BTreeMap;
 
@@ -194,7 +195,7 @@ fn hand(rest: &Rest, body: &Body, side: char, lower: Axes, known: &mut Known) {
         } else {
             THUMB_RADIANS
         };
-        (way.length() > enough).then(|| Quat::from_axis_angle(axes.along, turn) * way)
+        (way.length() > enough).then(|| Quat::libm_axis_angle(axes.along, turn) * way)
     };
     if let Some(front) = palm.or_else(from_thumb) {
         axes.front = front.normalize();

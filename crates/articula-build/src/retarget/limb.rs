@@ -5,6 +5,7 @@
 
 use super::pose::Pose;
 use super::side::Side;
+use articula_core::Libm;
 use glam::{Quat, Vec3};
 
 /// Maximum distance of a limb's end from its start, as a share of its length: slightly less than
@@ -83,7 +84,7 @@ impl Limb {
     /// Minimum and maximum distance of the end from the start.
     pub(super) fn span(&self) -> [f32; 2] {
         let [a, b] = self.lengths;
-        let folded = a * a + b * b - 2.0 * a * b * FOLDED.cos();
+        let folded = a * a + b * b - 2.0 * a * b * FOLDED.libm_cos();
         [folded.max(0.0).sqrt(), a + b]
     }
 

@@ -7,6 +7,7 @@
 
 use super::contacts::Contact;
 use super::steps::Sole;
+use articula_core::LibmQuat;
 use articula_core::rotation_vector;
 use glam::{Quat, Vec3};
 use std::ops::Range;
@@ -67,7 +68,7 @@ pub(super) fn goals(
         .map(|f| turn(path.deltas[f], &active[f]))
         .collect();
     fade(&mut turns, rate_hz);
-    let turned = |f: usize| Quat::from_scaled_axis(turns[f].unwrap_or(Vec3::ZERO));
+    let turned = |f: usize| Quat::libm_scaled_axis(turns[f].unwrap_or(Vec3::ZERO));
     let mut shifts: Vec<Option<Vec3>> = (0..frames)
         .map(|f| shift(path, f, turned(f), &active[f]))
         .collect();

@@ -6,6 +6,7 @@ use super::planted::Planted;
 use super::pose::Pose;
 use super::steps::{Sole, rest_floor};
 use super::transfer::Transfer;
+use articula_core::Libm;
 use glam::Vec3;
 
 /// Sine of the angle up to which a knee or elbow may bend to its wrong side: straight limbs do, by
@@ -114,7 +115,7 @@ impl Feet {
                     let start = *self.starts[slot].get_or_insert(place);
                     let way = place - start;
                     let slide = &mut self.slides[slot];
-                    *slide = slide.max(way.x.hypot(way.z));
+                    *slide = slide.max(way.x.libm_hypot(way.z));
                 }
                 slot += 1;
             }

@@ -11,6 +11,7 @@ use super::contacts;
 use super::frames::basis;
 use super::motion::Motion;
 use super::rest::Rest;
+use articula_core::LibmQuat;
 use articula_core::same_hemisphere;
 use glam::{Quat, Vec3};
 
@@ -109,7 +110,7 @@ fn trunk_frames(rest: &Rest, body: &Body, motion: &Motion) -> Vec<(usize, Quat)>
             };
             // `basis` keeps its first axis, which is the trunk's line.
             let turned = basis(up, -across);
-            let from_up = Quat::from_rotation_z(-std::f32::consts::FRAC_PI_2);
+            let from_up = Quat::libm_rotation_z(-std::f32::consts::FRAC_PI_2);
             (up.length(), turned * from_up)
         })
         .collect();

@@ -5,6 +5,7 @@ use super::body::Leg;
 use super::contacts::{self, Contact};
 use super::motion::Motion;
 use super::side::Side;
+use articula_core::LibmQuat;
 use articula_core::rotation_vector;
 use glam::{Quat, Vec3};
 
@@ -154,7 +155,7 @@ impl Steps {
             }
             let [even, uneven] = UNEVEN_RADIANS;
             let share = ((angle - even) / (uneven - even)).clamp(0.0, 1.0);
-            let level = Quat::IDENTITY.slerp(level, share);
+            let level = Quat::IDENTITY.libm_slerp(level, share);
             for j in 0..rest.len() {
                 if j == part || rest.between(part, j).is_some() {
                     self.level[j] = level;

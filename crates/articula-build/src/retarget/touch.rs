@@ -10,6 +10,7 @@ use super::planted::{Planted, averaged};
 use super::pose::Pose;
 use super::side::Side;
 use super::transfer::Transfer;
+use articula_core::Libm;
 use glam::Vec3;
 
 /// Distances from a part of the body, in leg lengths, below which a hand rests on it and above which
@@ -206,7 +207,7 @@ fn touches(transfer: &Transfer<'_>, part: &Part, wrist: usize) -> Vec<Touch> {
             let moved = (found[b].offset - found[a].offset) / part.scale.max(1e-6);
             let slid = length * (found[b].share - found[a].share);
             let secs = (b - a).max(1) as f32 / motion.rate_hz;
-            let speed = moved.length().hypot(slid) / (secs * leg);
+            let speed = moved.length().libm_hypot(slid) / (secs * leg);
             near[frame] * (1.0 - smooth(speed, STILL))
         })
         .collect();

@@ -7,6 +7,7 @@ use super::plan::{Drive, Plan, RotationSource, swing};
 use super::pose::Pose;
 use super::side::Side;
 use super::steps::{Steps, rest_floor};
+use articula_core::LibmQuat;
 use articula_core::same_hemisphere;
 use glam::{Quat, Vec3};
 
@@ -55,7 +56,7 @@ impl Transfer<'_> {
                 Drive::Twin(s) => self.read(frame, s),
                 Drive::Between(a, b, share) => {
                     let (a, b) = (self.read(frame, a), self.read(frame, b));
-                    a.slerp(same_hemisphere(a, b), *share)
+                    a.libm_slerp(same_hemisphere(a, b), *share)
                 }
             };
         }

@@ -11,6 +11,7 @@
 use super::plan::{Drive, Plan, swing};
 use super::pose::Pose;
 use super::side::Side;
+use articula_core::{Libm, LibmQuat};
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 
@@ -207,7 +208,7 @@ impl Segment {
     fn spread(&self, target: &Side, pose: &mut Pose, twist: f32) {
         let rest = &target.rest;
         let full = pose.deltas[self.upper];
-        let about = |radians: f32| Quat::from_axis_angle(self.along, radians);
+        let about = |radians: f32| Quat::libm_axis_angle(self.along, radians);
         let end = pose.positions[self.lower];
         // An upper segment contains all of its twist already; a lower one, none.
         let given = match self.against {
@@ -240,10 +241,10 @@ impl Segment {
 /// The angle of a rotation about an axis, between -pi and pi.
 fn twist_about(rotation: Quat, axis: Vec3) -> f32 {
     let along = Vec3::new(rotation.x, rotation.y, rotation.z).dot(axis);
-    if along.hypot(rotation.w) < 1e-6 {
+    if along.libm_hypot(rotation.w) < 1e-6 {
         return 0.0;
     }
-    let angle = 2.0 * along.atan2(rotation.w);
+    let angle = 2.0 * along.libm_atan2(rotation.w);
     angle - TAU * (angle / TAU).round()
 }
 

@@ -6,6 +6,7 @@
 mod importance;
 mod plaza;
 
+use articula_core::LibmQuat;
 pub use importance::{Cue, IMPORTANCE_RANGE, Role, SceneImportance, USUAL_ROLES, Zone};
 pub use plaza::{PLAZA_COUNT, Plaza, plaza};
 
@@ -76,7 +77,7 @@ impl CrossFade {
 impl SceneCharacter {
     /// Returns the world transform of the character.
     pub fn world_from_model(&self) -> Affine3A {
-        let turn = Quat::from_rotation_y(self.yaw_radians);
+        let turn = Quat::libm_rotation_y(self.yaw_radians);
         Affine3A::from_scale_rotation_translation(Vec3::splat(self.scale), turn, self.position)
     }
 }

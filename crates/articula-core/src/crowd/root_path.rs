@@ -3,6 +3,7 @@
 //! Root motion is never a joint (`docs/methods/motion-lod.md` part 0): it advances at every level,
 //! and for hidden characters too.
 
+use crate::Libm;
 use crate::Mismatch;
 use glam::Vec3;
 
@@ -47,7 +48,7 @@ fn turned(v: Vec3, radians: f32) -> Vec3 {
     if radians == 0.0 {
         return v;
     }
-    let (sin, cos) = radians.sin_cos();
+    let (sin, cos) = radians.libm_sin_cos();
     Vec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x)
 }
 

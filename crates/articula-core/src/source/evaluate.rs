@@ -6,6 +6,7 @@
 //! last value after its last key.
 
 use super::{Channel, Interpolation, Property, RawClip, Skeleton};
+use crate::LibmQuat;
 use crate::math::same_hemisphere;
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3, Vec4};
@@ -50,7 +51,7 @@ pub fn channel(channel: &Channel, time_secs: f32, out: &mut [f32]) {
             }
         } else if rotation {
             let (a, b) = (quat(value(before)), quat(value(after)));
-            out.copy_from_slice(&a.slerp(same_hemisphere(a, b), t).to_array());
+            out.copy_from_slice(&a.libm_slerp(same_hemisphere(a, b), t).to_array());
         } else {
             for (i, o) in out.iter_mut().enumerate() {
                 *o = value(before)[i] + (value(after)[i] - value(before)[i]) * t;

@@ -4,6 +4,7 @@
 //! between the eye and a renderer's near plane must still move, since its shadow or its hand may
 //! reach into view.
 
+use crate::Libm;
 use crate::view::{Camera, Viewport};
 use glam::{Quat, Vec3, Vec4};
 
@@ -26,7 +27,7 @@ pub struct Tangents {
 impl Tangents {
     /// Tangents of a picture that is centred on the viewing direction.
     pub(crate) fn of(viewport: &Viewport) -> Self {
-        let up = (0.5 * viewport.fov_y_radians).tan();
+        let up = (0.5 * viewport.fov_y_radians).libm_tan();
         let side = up * viewport.width_px / viewport.height_px;
         Self {
             left: side,

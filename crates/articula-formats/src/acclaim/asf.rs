@@ -4,6 +4,7 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::notes::Notes;
 use crate::words::{number, shortened};
+use articula_core::LibmQuat;
 use glam::{Quat, Vec3};
 
 /// Maximum number of degrees of freedom of one bone: three rotations, three translations and a
@@ -39,7 +40,7 @@ impl Angles {
 
 /// Returns the product of successive turns about fixed axes.
 pub(super) fn turned(turns: impl Iterator<Item = (usize, f32)>) -> Quat {
-    let one = |(axis, angle): (usize, f32)| Quat::from_axis_angle(Vec3::AXES[axis], angle);
+    let one = |(axis, angle): (usize, f32)| Quat::libm_axis_angle(Vec3::AXES[axis], angle);
     let all = turns.fold(Quat::IDENTITY, |before, turn| one(turn) * before);
     all.normalize()
 }

@@ -8,6 +8,7 @@ use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
 use crate::units::{self, MAX_NUMBER, UpAxis};
 use crate::words::{MAX_FRAMES, frame_time, odd_frame_time, shortened, value_of};
+use articula_core::LibmQuat;
 use articula_core::source::{Channel, Character, Interpolation, Joint, Property, RawClip};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
@@ -361,9 +362,9 @@ fn frame(values: &[f32], columns: &[Column]) -> Transform {
         }
     }
     let turns = [
-        Quat::from_rotation_z(angles.z),
-        Quat::from_rotation_x(angles.x),
-        Quat::from_rotation_y(angles.y),
+        Quat::libm_rotation_z(angles.z),
+        Quat::libm_rotation_x(angles.x),
+        Quat::libm_rotation_y(angles.y),
     ];
     transform.rotation = (turns[0] * turns[1] * turns[2]).normalize();
     transform

@@ -7,6 +7,7 @@ use crate::error::{Parsed, ReadError, Warning};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::units;
+use articula_core::LibmQuat;
 use articula_core::source::{self, Character, Interpolation, Joint, Property, RawClip, Skeleton};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
@@ -88,7 +89,7 @@ impl Raw {
             match channel {
                 Channel::Position(axis) => position[*axis] = *value,
                 Channel::Rotation(axis) => {
-                    rotation *= Quat::from_axis_angle(Vec3::AXES[*axis], value.to_radians());
+                    rotation *= Quat::libm_axis_angle(Vec3::AXES[*axis], value.to_radians());
                 }
             }
         }

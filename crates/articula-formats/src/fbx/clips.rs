@@ -6,6 +6,7 @@ use super::source::Reader;
 use super::surface::Shown;
 use super::takes::{Frame, STILL, Take, place};
 use crate::error::ReadError;
+use articula_core::LibmQuat;
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Transform, angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
@@ -136,7 +137,7 @@ impl Values<'_> {
         match self {
             Self::Vectors(list) => list[from].lerp(list[to], share).distance(list[frame]) > BLENDED,
             Self::Turns(list) => {
-                let blend = list[from].slerp(same_hemisphere(list[from], list[to]), share);
+                let blend = list[from].libm_slerp(same_hemisphere(list[from], list[to]), share);
                 angle_between(blend, list[frame]) > BLENDED
             }
             Self::Weights(list) => {

@@ -7,6 +7,7 @@ use super::scene::{Moment, Scene, Stack};
 use super::source::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
+use articula_core::LibmQuat;
 use articula_core::source::JUMP_SECS;
 use articula_core::{Transform, angle_between, same_hemisphere};
 use glam::{Affine3A, Quat, Vec3};
@@ -302,7 +303,7 @@ impl Player<'_> {
             let turn = same_hemisphere(from.rotation, to.rotation);
             let blend = Transform {
                 translation: from.translation.lerp(to.translation, 0.5),
-                rotation: from.rotation.slerp(turn, 0.5),
+                rotation: from.rotation.libm_slerp(turn, 0.5),
                 scale: from.scale.lerp(to.scale, 0.5),
             };
             let is_accident = angle_between(blend.rotation, wanted[index].rotation) > ACCIDENT;

@@ -6,7 +6,7 @@ use super::place::Place;
 use super::reader::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::Transform;
+use articula_core::{Transform, normalised};
 use glam::{Mat4, Quat, Vec3};
 
 /// The nodes of a document: each has at most one parent, none is its own ancestor.
@@ -158,7 +158,7 @@ pub(super) fn unit(rotation: Quat) -> Option<Quat> {
     if largest == 0.0 || !largest.is_finite() {
         return None;
     }
-    let scaled = Quat::from_vec4(glam::Vec4::from(rotation) / largest).normalize();
+    let scaled = normalised(Quat::from_vec4(glam::Vec4::from(rotation) / largest));
     scaled.is_finite().then_some(scaled)
 }
 
@@ -194,7 +194,7 @@ fn nearest_transform(matrix: Mat4) -> Transform {
     let sign = if z.dot(c) < 0.0 { -1.0 } else { 1.0 };
     Transform {
         translation: matrix.w_axis.truncate(),
-        rotation: Quat::from_mat3(&glam::Mat3::from_cols(x, y, z)).normalize(),
+        rotation: normalised(Quat::from_mat3(&glam::Mat3::from_cols(x, y, z))),
         scale: Vec3::new(a.length(), b.length(), sign * c.length()),
     }
 }

@@ -7,6 +7,7 @@
 use super::place::Place;
 use super::reader::Reader;
 use crate::error::ReadError;
+use articula_core::Libm;
 use glam::{Affine2, Mat2, Vec2};
 
 const NAME: &str = "KHR_texture_transform";
@@ -64,7 +65,8 @@ fn moved(extension: &Place<'_>, set: u64) -> Result<Texcoords, ReadError> {
     let scale = extension.floats::<2>("scale")?.unwrap_or([1.0; 2]);
     let angle = extension.get("rotation").map_or(Ok(0.0), |r| r.float())?;
     // Counter-clockwise in the picture, whose second axis points down.
-    let turn = Mat2::from_angle(-angle);
+    let (sin, cos) = (-angle).libm_sin_cos();
+    let turn = Mat2::from_cols_array(&[cos, sin, -sin, cos]);
     let matrix2 = turn * Mat2::from_diagonal(Vec2::from_array(scale));
     Ok(Texcoords {
         set: extension.whole_or("texCoord", set)?,

@@ -2,6 +2,7 @@
 
 use super::bap::{BapClip, Motion, TABLE};
 use super::bap_table;
+use articula_core::LibmQuat;
 use articula_core::Transform;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use articula_core::source::{
@@ -109,7 +110,7 @@ fn value(values: &[i32], index: usize) -> f64 {
 pub(super) fn rotation(turns: &[(usize, Vec3)], values: &[i32]) -> DQuat {
     turns.iter().fold(DQuat::IDENTITY, |all, (index, axis)| {
         let angle = value(values, *index) * RADIANS;
-        all * DQuat::from_axis_angle(axis.as_dvec3(), angle)
+        all * DQuat::libm_axis_angle(axis.as_dvec3(), angle)
     })
 }
 

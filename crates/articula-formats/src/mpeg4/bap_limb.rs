@@ -9,6 +9,7 @@
 use super::bap_split::nearest_two;
 use super::bap_table;
 use articula_core::hanim_table::{JOINTS, find};
+use articula_core::{Libm, LibmQuat};
 use glam::{DQuat, DVec3};
 
 /// Cost of a twist of the upper limb relative to a lean of the lower one, both in radians squared:
@@ -73,7 +74,7 @@ impl Limb {
     /// nothing.
     pub(super) fn aimed(&self, upper: DQuat, lower: DQuat) -> DQuat {
         let target = upper.inverse() * lower;
-        let about = |twist: f64| DQuat::from_axis_angle(self.along_upper, twist);
+        let about = |twist: f64| DQuat::libm_axis_angle(self.along_upper, twist);
         let cost = |twist: f64| {
             let missed = self.missed(about(-twist) * target);
             missed * missed + TWIST_COST * twist * twist
@@ -86,20 +87,20 @@ impl Limb {
     fn missed(&self, target: DQuat) -> f64 {
         let [_, twist] = nearest_two(target, self.bend, self.twist);
         let bend = self.bend_angle(target, twist);
-        let about = DQuat::from_axis_angle;
+        let about = DQuat::libm_axis_angle;
         let reached = about(self.bend, bend) * about(self.twist, twist) * self.along_lower;
         // Computed from the distance of unit vectors, which is precise for small angles.
         let apart = reached.distance(target * self.along_lower);
-        2.0 * (0.5 * apart).min(1.0).asin()
+        2.0 * (0.5 * apart).min(1.0).libm_asin()
     }
 
     /// Returns the bend for which the lower limb, twisted by `twist`, points as closely as possible
     /// in the direction given by `target`, the hinge's total rotation.
     pub(super) fn bend_angle(&self, target: DQuat, twist: f64) -> f64 {
-        let from = DQuat::from_axis_angle(self.twist, twist) * self.along_lower;
+        let from = DQuat::libm_axis_angle(self.twist, twist) * self.along_lower;
         let to = target * self.along_lower;
         let (a, b) = (from.reject_from(self.bend), to.reject_from(self.bend));
-        a.cross(b).dot(self.bend).atan2(a.dot(b))
+        a.cross(b).dot(self.bend).libm_atan2(a.dot(b))
     }
 }
 

@@ -19,6 +19,7 @@ use crate::Limits;
 use crate::sampled::{self, Place};
 use crate::written::WriteError;
 use articula_core::Articulation;
+use articula_core::Libm;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
 use articula_core::source::Character;
 use glam::{DQuat, Vec3};
@@ -328,7 +329,7 @@ fn apart_degrees(a: Vec3, b: Vec3) -> f32 {
     let (Some(a), Some(b)) = (a.try_normalize(), b.try_normalize()) else {
         return 0.0;
     };
-    a.dot(b).clamp(-1.0, 1.0).acos().to_degrees()
+    a.dot(b).clamp(-1.0, 1.0).libm_acos().to_degrees()
 }
 
 #[cfg(test)]

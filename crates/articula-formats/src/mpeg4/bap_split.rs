@@ -1,5 +1,6 @@
 //! Closest approximation of a rotation by rotations about one, two or three perpendicular axes.
 
+use articula_core::{Libm, LibmQuat};
 use glam::{DQuat, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
@@ -32,7 +33,7 @@ pub(super) fn split(target: DQuat, turns: &[(usize, Vec3)], last: [f64; 3]) -> [
 
 /// Returns the rotation about an axis that is closest to a rotation: its twist.
 fn one(q: DQuat, axis: DVec3) -> f64 {
-    2.0 * q.xyz().dot(axis).atan2(q.w)
+    2.0 * q.xyz().dot(axis).libm_atan2(q.w)
 }
 
 /// Returns the angles about two perpendicular axes, the first on the parent's side, whose product
@@ -43,8 +44,8 @@ fn one(q: DQuat, axis: DVec3) -> f64 {
 /// b/2) + (x + y) sin(a/2 + b/2) + (x - y) sin(a/2 - b/2)`: sum and difference are independent.
 pub(super) fn nearest_two(q: DQuat, u: DVec3, v: DVec3) -> [f64; 2] {
     let (w, x, y, z) = (q.w, q.xyz().dot(u), q.xyz().dot(v), q.xyz().dot(u.cross(v)));
-    let sum = (x + y).atan2(w - z);
-    let difference = (x - y).atan2(w + z);
+    let sum = (x + y).libm_atan2(w - z);
+    let difference = (x - y).libm_atan2(w + z);
     [sum + difference, sum - difference]
 }
 
@@ -57,13 +58,17 @@ fn three(q: DQuat, u: DVec3, v: DVec3, w: DVec3, c: f64) -> [f64; 3] {
     let turned = q * third;
     let sine = turned.dot(u).clamp(-1.0, 1.0);
     if sine.abs() > 1.0 - 1e-12 {
-        let rest = q * DQuat::from_axis_angle(w, -c);
+        let rest = q * DQuat::libm_axis_angle(w, -c);
         let turned = rest * v;
-        return [turned.dot(third).atan2(turned.dot(v)), sine.asin(), c];
+        return [
+            turned.dot(third).libm_atan2(turned.dot(v)),
+            sine.libm_asin(),
+            c,
+        ];
     }
-    let a = (-turned.dot(v)).atan2(turned.dot(third));
-    let c = (-(q * v).dot(u)).atan2((q * u).dot(u));
-    [a, sine.asin(), hand * c]
+    let a = (-turned.dot(v)).libm_atan2(turned.dot(third));
+    let c = (-(q * v).dot(u)).libm_atan2((q * u).dot(u));
+    [a, sine.libm_asin(), hand * c]
 }
 
 /// Returns equivalent angles, each within half a turn of the previous frame.

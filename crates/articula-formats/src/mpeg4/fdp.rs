@@ -5,6 +5,7 @@
 //! external mesh. Numbers are in the mesh's own unit.
 
 pub use super::fdp_write::write;
+use articula_core::LibmQuat;
 
 use crate::words::shortened;
 use crate::{Limits, Parsed, ReadError, Warning};
@@ -200,7 +201,7 @@ impl Parser<'_> {
                 let axis = element.vector(["axis_x", "axis_y", "axis_z"])?;
                 let angle = element.number("axis_angle")?;
                 let axis = axis.try_normalize().unwrap_or(Vec3::Y);
-                self.found.rotation = Quat::from_axis_angle(axis, angle);
+                self.found.rotation = Quat::libm_axis_angle(axis, angle);
             }
             "entity" => self.found.sources.push(MeshSource {
                 alias: element.word("alias"),

@@ -1,6 +1,7 @@
 //! Writing of FDP files.
 
 use super::fdp::{FdpFile, FeaturePoint};
+use articula_core::LibmQuat;
 use quick_xml::escape::escape;
 use std::fmt::Write as _;
 
@@ -40,7 +41,7 @@ pub fn write(file: &FdpFile) -> Vec<u8> {
 fn head(text: &mut String, file: &FdpFile) {
     let units = file.fapu;
     let at = file.translation;
-    let (axis, angle) = file.rotation.to_axis_angle();
+    let (axis, angle) = file.rotation.libm_to_axis_angle();
     let _ = writeln!(
         text,
         "  <head>\n    <file version=\"{}\"/>",

@@ -8,6 +8,7 @@ use super::scene::{NodeId, X3dScene, shortened};
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::notes::Notes;
+use articula_core::LibmQuat;
 use glam::{DQuat, DVec3};
 use std::borrow::Cow;
 
@@ -234,7 +235,7 @@ impl<'a> Reader<'a> {
         if axis == DVec3::ZERO {
             return DQuat::IDENTITY;
         }
-        DQuat::from_axis_angle(axis, angle * self.scene.radians)
+        DQuat::libm_axis_angle(axis, angle * self.scene.radians)
     }
 
     /// Reads the strings of a field that may hold several.

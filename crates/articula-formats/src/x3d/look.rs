@@ -9,6 +9,7 @@ use super::scene::{NodeId, shortened};
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::{Resolver, uri};
+use articula_core::Libm;
 use articula_core::source::{Image, Material, TextureWrap};
 use glam::{DMat2, DVec2, DVec3, Vec3, Vec4};
 use std::collections::HashMap;
@@ -33,7 +34,9 @@ impl TextureMove {
         let translation = two(reader, "translation", DVec2::ZERO)?;
         let angle = reader.number(id, "rotation", 0.0)? * reader.scene.radians;
         // Tc' = -C · S · R · C · T · Tc
-        let matrix = DMat2::from_diagonal(scale) * DMat2::from_angle(angle);
+        let (sin, cos) = angle.libm_sin_cos();
+        let turn = DMat2::from_cols_array(&[cos, sin, -sin, cos]);
+        let matrix = DMat2::from_diagonal(scale) * turn;
         Ok(Self {
             matrix,
             offset: matrix * (center + translation) - center,
@@ -339,7 +342,7 @@ pub(super) fn linear(srgb: f64) -> f32 {
     let linear = if c <= 0.04045 {
         c / 12.92
     } else {
-        ((c + 0.055) / 1.055).powf(2.4)
+        ((c + 0.055) / 1.055).libm_powf(2.4)
     };
     linear as f32
 }

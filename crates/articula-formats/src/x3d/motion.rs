@@ -9,6 +9,7 @@ use super::fields::{Reader, words};
 use super::scene::{NodeId, shortened};
 use crate::error::ReadError;
 use crate::limits::Limits;
+use articula_core::LibmQuat;
 use articula_core::source::Channel;
 use glam::{DQuat, DVec3};
 
@@ -220,7 +221,7 @@ impl Group {
             match *channel {
                 Drives::Position(axis) => position[axis] = value,
                 Drives::Rotation(axis) => {
-                    rotation *= DQuat::from_axis_angle(DVec3::AXES[axis], value.to_radians());
+                    rotation *= DQuat::libm_axis_angle(DVec3::AXES[axis], value.to_radians());
                 }
                 Drives::Scale(axis) => scale[axis] = value,
                 Drives::Nothing => {}

@@ -5,6 +5,7 @@
 use super::fields::Reader;
 use super::scene::NodeId;
 use crate::error::ReadError;
+use articula_core::Libm;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 /// Tolerance of a similarity: relative difference of lengths and angles between axes, as matrices
@@ -73,7 +74,7 @@ impl Similarity {
     /// Splits a matrix; `None` if it has non-uniform scale or shear, mirrors or is singular.
     pub(super) fn of(matrix: &DAffine3) -> Option<Self> {
         let m = matrix.matrix3;
-        let scale = m.determinant().cbrt();
+        let scale = m.determinant().libm_cbrt();
         if !(scale.is_finite() && scale > 1e-12 && matrix.translation.is_finite()) {
             return None;
         }

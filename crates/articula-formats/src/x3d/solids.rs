@@ -8,6 +8,7 @@ use super::fields::Reader;
 use super::polygon::newell;
 use super::scene::NodeId;
 use crate::error::ReadError;
+use articula_core::Libm;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -123,13 +124,13 @@ fn cuboid(faces: &mut Faces, half: DVec3) {
 /// Returns the direction at a fraction of a turn, from the back (-Z) over the left (-X).
 fn around(share: f64) -> DVec3 {
     let angle = share * TAU;
-    DVec3::new(-angle.sin(), 0.0, -angle.cos())
+    DVec3::new(-angle.libm_sin(), 0.0, -angle.libm_cos())
 }
 
 fn sphere(faces: &mut Faces, radius: f64) {
     let grid = |faces: &mut Faces, u: f64, v: f64| {
         let latitude = (v - 0.5) * PI;
-        let normal = around(u) * latitude.cos() + DVec3::Y * latitude.sin();
+        let normal = around(u) * latitude.libm_cos() + DVec3::Y * latitude.libm_sin();
         faces.point(normal * radius, normal, DVec2::new(u, v))
     };
     bands(faces, UP, grid);

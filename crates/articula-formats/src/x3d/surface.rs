@@ -8,6 +8,7 @@ use super::fields::Reader;
 use super::look::{ShapeAppearance, linear};
 use super::scene::NodeId;
 use crate::error::ReadError;
+use articula_core::Libm;
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
@@ -187,7 +188,7 @@ impl Normals {
         } else if smooth {
             self.sums[point]
         } else {
-            let least = faces.crease.cos();
+            let least = faces.crease.libm_cos();
             let near = around
                 .iter()
                 .filter(|&&f| f == face || self.units[f as usize].dot(own) > least);

@@ -3,6 +3,7 @@
 //! Form: `docs/formats/abp2.md`, part 4. Only additions and multiplications of 32-bit floats in the
 //! written order occur, which IEEE 754 defines to the bit.
 
+use articula_core::Libm;
 use glam::{DQuat, DVec3, Quat};
 
 /// Square of pi, rounded up: the series are used up to half a turn.
@@ -76,7 +77,7 @@ pub(super) fn log(q: DQuat, near: DVec3) -> DVec3 {
         return near.normalize_or_zero() * (turns * std::f64::consts::TAU);
     }
     let axis = v / sine;
-    let angle = 2.0 * sine.atan2(q.w);
+    let angle = 2.0 * sine.libm_atan2(q.w);
     let turns = ((near.dot(axis) - angle) / std::f64::consts::TAU).round();
     axis * (angle + turns * std::f64::consts::TAU)
 }

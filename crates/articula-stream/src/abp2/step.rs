@@ -3,6 +3,7 @@
 //! Form: `docs/formats/abp2.md`, part 4.
 
 use super::contexts::Class;
+use articula_core::Libm;
 
 /// Bits after the point of decoded values: they count 2^-22 radians, metres, or units of scale or
 /// weight.
@@ -41,7 +42,7 @@ pub(super) fn step(code: i32) -> f64 {
 
 /// Returns the code of the step that is nearest on a logarithmic scale, within the range of codes.
 pub(super) fn code(step: f64) -> i32 {
-    let code = (-8.0 * step.log2()).round();
+    let code = (-8.0 * step.libm_log2()).round();
     code.clamp(0.0, f64::from(MOST_CODE)) as i32
 }
 

@@ -1,6 +1,7 @@
 //! Bandwidth over time: recorded or made.
 
 use crate::StreamError;
+use articula_core::Libm;
 
 /// Bandwidth as steps over time. Before the first step the first value holds, after the last one the
 /// last.
@@ -79,7 +80,7 @@ impl BandwidthTrace {
             // The sum of four uniform numbers is near enough to a normal one.
             let sum: f64 = (0..4).map(|_| uniform(&mut state) - 0.5).sum();
             wander = 0.8 * wander + 0.52 * sum;
-            (0.5 * i as f64, bits_per_second * f64::exp(wander))
+            (0.5 * i as f64, bits_per_second * wander.libm_exp())
         };
         let steps: Vec<(f64, f64)> = (0..=count(end_secs)).map(step).collect();
         Self::of(steps)

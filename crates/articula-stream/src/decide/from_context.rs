@@ -5,6 +5,7 @@ use super::part::{Part, PartKind, pixels_per_metre};
 use super::preference::{LimitSource, Preference, Rule};
 use super::ratio::{DeviceBenchmark, NetworkShare};
 use crate::description::{Benchmark, Context, Modality};
+use articula_core::Libm;
 use articula_core::Viewport;
 
 /// What counts where a context says nothing.
@@ -116,7 +117,7 @@ impl DeviceBenchmark {
         }
         let mean = |of: &dyn Fn(&Benchmark) -> f64| -> f64 {
             let share = 1.0 / known.len() as f64;
-            known.iter().map(|b| of(b).powf(share)).product()
+            known.iter().map(|b| of(b).libm_powf(share)).product()
         };
         let shares = known.iter().filter_map(|b| b.share);
         Some(Self {

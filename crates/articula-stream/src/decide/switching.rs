@@ -4,6 +4,8 @@
 //! rate up to 0.95 of the estimate and takes a higher one up to 0.7); `docs/methods/adaptation.md`
 //! part 5. Layers are counted: 1 is the base alone.
 
+use articula_core::Libm;
+
 /// Thresholds of a [`LayerSwitch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SwitchRule {
@@ -154,7 +156,7 @@ impl FrameTimeSwitch {
             return self.layers;
         }
         let old = self.mean_ns.unwrap_or(frame_ns);
-        let kept = 0.5_f64.powf((now_secs - self.last_secs).max(0.0) / Self::HALF_LIFE_SECS);
+        let kept = 0.5_f64.libm_powf((now_secs - self.last_secs).max(0.0) / Self::HALF_LIFE_SECS);
         let mean = frame_ns + kept * (old - frame_ns);
         (self.mean_ns, self.last_secs) = (Some(mean), now_secs);
         if mean > self.budget_ns {

@@ -5,6 +5,8 @@
 //! the time that it stands for, not its own duration, since transfers of animation are short and far
 //! apart; and the first guess is a sample like others.
 
+use articula_core::Libm;
+
 /// A transfer, without the time to its first byte.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transfer {
@@ -57,7 +59,7 @@ struct Mean {
 
 impl Mean {
     fn add(&mut self, value: f64, weight: f64) {
-        let kept = 0.5_f64.powf(weight / self.half_life);
+        let kept = 0.5_f64.libm_powf(weight / self.half_life);
         self.sum = kept * self.sum + (1.0 - kept) * value;
         self.weight = kept * self.weight + (1.0 - kept);
     }

@@ -6,6 +6,7 @@
 
 use crate::error::{Error, Result};
 use articula_build::sampling_rate_hz;
+use articula_core::LibmQuat;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source::{
     Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton, evaluate,
@@ -280,7 +281,7 @@ fn scale_axes(tracks: &BoneTracks) -> Quat {
     let track = tracks.get(TrackKind::ScaleOrientation);
     let mut values = track.into_iter().flatten().map(|axes| Vec3::from(*axes));
     let first = values.find(|axes| axes.length() > STILL);
-    first.map_or(Quat::IDENTITY, Quat::from_scaled_axis)
+    first.map_or(Quat::IDENTITY, LibmQuat::libm_scaled_axis)
 }
 
 /// Sets level and region of joints as the bone table has them; other region numbers than 1 to 7
@@ -323,7 +324,7 @@ impl Moving<'_> {
             return false;
         };
         (0..track.len()).any(|frame| {
-            let axes = Quat::from_scaled_axis(self.value(TrackKind::ScaleOrientation, frame));
+            let axes = Quat::libm_scaled_axis(self.value(TrackKind::ScaleOrientation, frame));
             let turned = articula_core::angle_between(self.axes, axes);
             turned > TURNED && !is_even(self.value(TrackKind::Scale, frame))
         })
@@ -357,7 +358,7 @@ impl Moving<'_> {
 
     /// The local transform in a frame.
     fn local(&self, frame: usize) -> Transform {
-        let turn = Quat::from_scaled_axis(self.value(TrackKind::Rotation, frame));
+        let turn = Quat::libm_scaled_axis(self.value(TrackKind::Rotation, frame));
         let rotation = turn * self.axes;
         let scale = self.value(TrackKind::Scale, frame);
         // About another centre than that of the table, rotation and scale also move the joint.

@@ -11,6 +11,7 @@ use articula_build::clip_edit::{self, EditSubject};
 use articula_build::clip_edit::{CloseOptions, LoopCycle};
 use articula_build::clip_edit::{ReduceOptions, ReducedClip};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey};
+use articula_core::Libm;
 use articula_core::source::{Character, RawClip};
 use serde::{Serialize, Serializer};
 
@@ -343,7 +344,7 @@ fn root_motion(
     let out = clip_edit::split_root_motion(subject, clip, options)?;
     *clip = out.clip;
     let way = |a: &TrajectoryKey, b: &TrajectoryKey| {
-        (a.x_metres - b.x_metres).hypot(a.z_metres - b.z_metres)
+        (a.x_metres - b.x_metres).libm_hypot(a.z_metres - b.z_metres)
     };
     let last = out.trajectory.last().copied().unwrap_or_default();
     let place = |key: &TrajectoryKey| TrajectoryPlace {

@@ -3,6 +3,7 @@
 //! Source: `KHR_character_reference_pose`, values of `poseType`: arms level, at about 45 degrees,
 //! or along the body. The thresholds lie half-way.
 
+use articula_core::Libm;
 use articula_core::source::Skeleton;
 use glam::{Affine3A, Vec3A};
 
@@ -18,7 +19,7 @@ pub(super) fn pose_kind(skeleton: &Skeleton, bones: &[(usize, String)]) -> &'sta
         let arm = place(&format!("{side}UpperArm"))?;
         let hand = place(&format!("{side}Hand")).or_else(|| place(&format!("{side}LowerArm")))?;
         let along = (hand - arm).try_normalize()?;
-        Some((-along.y).clamp(-1.0, 1.0).asin().to_degrees())
+        Some((-along.y).clamp(-1.0, 1.0).libm_asin().to_degrees())
     };
     let hangs: Vec<f32> = ["left", "right"].into_iter().filter_map(hang).collect();
     let mean = hangs.iter().sum::<f32>() / hangs.len().max(1) as f32;

@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use articula_build::{Scene, Wall, occluders};
 use articula_core::visibility::{BoxOcclusion, Occlusion};
 use articula_core::{Bound, Camera, Capsule, ClipBounds, Sphere};
+use articula_core::{Libm, LibmQuat};
 use glam::{Quat, Vec3};
 use std::f32::consts::SQRT_2;
 
@@ -74,14 +75,14 @@ impl Cylinder {
     fn of_box(bound: &Bound) -> Self {
         let far = bound.least.abs().max(bound.greatest.abs());
         Self {
-            radius: far.x.hypot(far.z),
+            radius: far.x.libm_hypot(far.z),
             heights: [bound.least.y, bound.greatest.y],
         }
     }
 
     fn of_sphere(sphere: Sphere) -> Self {
         Self {
-            radius: sphere.centre.x.hypot(sphere.centre.z) + sphere.radius,
+            radius: sphere.centre.x.libm_hypot(sphere.centre.z) + sphere.radius,
             heights: [-sphere.radius, sphere.radius].map(|r| sphere.centre.y + r),
         }
     }
@@ -141,7 +142,7 @@ impl Hidden {
         for (view, camera) in self.views.iter_mut().zip(cameras) {
             view.grid.begin(camera);
             for wall in &self.walls {
-                let turn = Quat::from_rotation_y(wall.yaw_radians);
+                let turn = Quat::libm_rotation_y(wall.yaw_radians);
                 view.grid.draw_box(wall.centre, 0.5 * wall.size, turn);
             }
             view.draw_characters(camera, crowds, &self.hiding);

@@ -8,6 +8,7 @@ use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{
     RootMotionMode, RootMotionOptions, TrajectoryKey, split_root_motion,
 };
+use articula_core::Libm;
 use articula_core::crowd::{RootDelta, RootTrajectory};
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mismatch};
@@ -60,7 +61,7 @@ pub fn put_in_place(
 }
 
 fn farthest(way: &[TrajectoryKey]) -> f32 {
-    let off = way.iter().map(|k| k.x_metres.hypot(k.z_metres));
+    let off = way.iter().map(|k| k.x_metres.libm_hypot(k.z_metres));
     off.fold(0.0, f32::max)
 }
 

@@ -9,6 +9,7 @@ use super::options::PaletteMatrices;
 use super::palettes::{PaletteSlice, Palettes};
 use super::share::Rest;
 use crate::error::{Error, Result};
+use articula_core::LibmQuat;
 use articula_core::batch::Scratch;
 use articula_core::crowd::{
     Budget, CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, CrowdSection, Culling,
@@ -19,7 +20,7 @@ use articula_core::{BlendRecord, Camera, Mesh, SkinnedMesh, skin};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Maximum size of palettes in bytes.
-const MAX_BYTES: usize = 16 << 30;
+const MAX_BYTES: u64 = 16 << 30;
 
 /// A crowd of one character, updated and posed frame by frame. It allocates on creation and not in
 /// a frame.
@@ -142,7 +143,7 @@ impl CrowdPlayer {
     /// # Panics
     /// If there is no such character.
     pub fn place(&mut self, character: usize, position: impl Into<Vec3>, yaw_radians: f32) {
-        self.set_transform(character, position, Quat::from_rotation_y(yaw_radians));
+        self.set_transform(character, position, Quat::libm_rotation_y(yaw_radians));
     }
 
     /// Sets a character's position and rotation: glam's types, or arrays `[x, y, z]` and, for a unit
@@ -501,11 +502,13 @@ fn room(model: &CrowdModel, characters: usize) -> Result<usize> {
     let weights = characters.saturating_mul(targets(model) * size_of::<f32>());
     let bytes = matrices.saturating_mul(model.parts().form.bytes());
     let bytes = bytes.saturating_add(weights);
-    if bytes > MAX_BYTES {
+    // What a machine of 32 bits can address is less.
+    let limit = MAX_BYTES.min(isize::MAX as u64);
+    if bytes as u64 > limit {
         return Err(Error::unsuited(format!(
             "{characters} characters: {:.1} GB of palettes, the limit is {:.1}; lower the count or choose a smaller form",
             bytes as f64 / 1e9,
-            MAX_BYTES as f64 / 1e9
+            limit as f64 / 1e9
         )));
     }
     Ok(matrices)

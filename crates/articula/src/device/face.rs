@@ -4,6 +4,7 @@ use super::rest::at_rest;
 use crate::error::{Error, Result};
 use crate::face::{add_face_table, fit_face, reduce_face};
 use crate::figure::Figure;
+use articula_core::Libm;
 use articula_core::face_levels::{FaceLevel, FaceLevels};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
 use articula_flat::Bounds;
@@ -49,7 +50,7 @@ fn every_parameter() -> FapClip {
         };
         for (i, value) in frame.low.iter_mut().enumerate() {
             let along = number as f32 / FRAMES as f32 + i as f32 / FAP_COUNT as f32;
-            *value = (MOST * (TAU * along).sin()).round() as i32;
+            *value = (MOST * (TAU * along).libm_sin()).round() as i32;
         }
         frame
     };

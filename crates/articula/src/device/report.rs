@@ -3,6 +3,7 @@
 use super::grade::Application;
 use super::result::{ApplicationResult, GradeRate};
 use crate::error::{Error, Result};
+use articula_core::Libm;
 use articula_stream::description::{Benchmark, Context};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -47,7 +48,7 @@ impl DeviceDescription {
         let differs = |by: f64, a: &str, b: &str| if a.eq_ignore_ascii_case(b) { 0.0 } else { by };
         let doublings = |a: usize, b: usize| {
             let ratio = a.max(1) as f64 / b.max(1) as f64;
-            ratio.log2().abs()
+            ratio.libm_log2().abs()
         };
         let (own, others) = (words(&self.cpu), words(&other.cpu));
         let common = own.intersection(&others).count() as f64;

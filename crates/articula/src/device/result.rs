@@ -2,6 +2,7 @@
 
 use super::grade::{Application, GRADES, Grade};
 use super::median::{LEAST_VALUES, Median};
+use articula_core::Libm;
 use serde::Serialize;
 
 /// Frame rates for which the finest grade is looked for, frames per second.
@@ -49,7 +50,7 @@ impl ApplicationResult {
         grades.dedup_by_key(|rate| rate.grade);
         let speeds = counted(&grades).map(|rate| {
             let reference = Grade::of(application, rate.grade).reference_secs();
-            (rate.fps * reference).ln()
+            (rate.fps * reference).libm_ln()
         });
         let speeds: Vec<f64> = speeds.collect();
         if speeds.is_empty() {
@@ -62,7 +63,7 @@ impl ApplicationResult {
         });
         Some(Self {
             application,
-            score: 100.0 * mean.exp(),
+            score: 100.0 * mean.libm_exp(),
             holds: holds.to_vec(),
             grades,
         })

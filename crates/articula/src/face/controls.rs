@@ -6,6 +6,7 @@ use crate::figure::Figure;
 use articula_build::face::{
     FaceBridge, FapInterval, FapValues, arkit_shape, blend_shape, vrm_preset,
 };
+use articula_core::LibmQuat;
 use articula_core::source::{Channel, Character, Expression, Interpolation, Property};
 use glam::{Quat, Vec3};
 use serde::Serialize;
@@ -222,7 +223,7 @@ impl FaceControls {
                 all.sum::<Vec3>()
             };
             let turn = |weights| {
-                let turn = Quat::from_scaled_axis(sum(weights, |o| o.rotation));
+                let turn = Quat::libm_scaled_axis(sum(weights, |o| o.rotation));
                 (rest.rotation * turn).normalize().to_array()
             };
             let values = frames.iter().flat_map(turn).collect();

@@ -10,6 +10,7 @@ use crate::figure::Figure;
 use crate::inner_lips::with_inner_lips;
 use crate::work::Executor;
 use articula_build::face::{FaceBridge, FaceDetail, FaceFields, FaceFrames};
+use articula_core::LibmQuat;
 use articula_core::face_levels::{FaceLevel, FaceLevels, FapRoles};
 use articula_core::fap_table::{FAP_COUNT, LOW_FAPS};
 use articula_core::{PosedMesh, Viewport};
@@ -228,7 +229,7 @@ fn fields(rig: &FaceRig, controls: &[Vec<Vec3>], head: &Figure) -> FaceFields {
         .pose(asset.rig.rest_pose())
         .skinned(&asset.mesh.morph_weights);
     let mut fields = FaceFields::new(controls);
-    let axes = Quat::from_rotation_y(facing(&asset.rig, &posed.model)).inverse();
+    let axes = Quat::libm_rotation_y(facing(&asset.rig, &posed.model)).inverse();
     let eyes = !(23..=26).any(|fap| rig.controls.bridge().moves(fap));
     for (turn, faps) in turns(&head.opened, eyes).iter().filter_map(eyeball) {
         let follows = |vertex: usize| {

@@ -7,6 +7,7 @@
 use super::found::FoundFace;
 use crate::figure::Figure;
 use articula_build::face::{FaceTable, FapInterval, FapValues, FieldFit};
+use articula_core::LibmQuat;
 use articula_core::fap_table::LOW_FAPS;
 use articula_core::{LocalPose, PosedMesh};
 use glam::{Quat, Vec3};
@@ -187,7 +188,7 @@ impl<'a> JointSkin<'a> {
         let mut pose = self.figure.asset.rig.rest_pose().clone();
         for offset in self.offsets(weights) {
             let joint = offset.joint;
-            pose.rotations[joint] *= Quat::from_scaled_axis(offset.rotation);
+            pose.rotations[joint] *= Quat::libm_scaled_axis(offset.rotation);
             pose.translations[joint] += offset.translation;
         }
         let moved = self.places(&pose);

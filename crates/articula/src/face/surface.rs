@@ -4,6 +4,7 @@ use crate::facing::facing_of;
 use crate::figure::Figure;
 use crate::head::{head_joints, head_vertices};
 use articula_build::face::{FaceSurface, arkit_name};
+use articula_core::LibmQuat;
 use articula_core::{ModelPose, PosedMesh, local_to_model};
 use glam::{Quat, Vec3};
 use std::collections::BTreeMap;
@@ -28,7 +29,7 @@ impl HeadSurface {
         local_to_model(&asset.rig, asset.rig.rest_pose(), &mut rest);
         let articulation = asset.rig.articulation();
         let facing = facing_of(articulation, |joint| rest.position(joint));
-        let model_from_head = Quat::from_rotation_y(facing);
+        let model_from_head = Quat::libm_rotation_y(facing);
         let to_head = model_from_head.inverse();
         let of_head = head_vertices(figure, &head_joints(figure));
         let vertices: Vec<u32> = (0..asset.mesh.len() as u32)

@@ -3,6 +3,7 @@
 use crate::facing::facing_of;
 use crate::open::CharacterFile;
 use articula_build::face::FapValues;
+use articula_core::LibmQuat;
 use articula_core::fap_table::ANGLE_UNIT;
 use articula_core::source::{Channel, Interpolation, Property};
 use glam::{EulerRot, Quat, Vec3};
@@ -43,7 +44,7 @@ pub(super) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
             joint,
             faps: *faps,
             rest: joints[joint].rest.rotation,
-            to_parent: parent.inverse() * Quat::from_rotation_y(facing),
+            to_parent: parent.inverse() * Quat::libm_rotation_y(facing),
         })
     });
     found.collect()
@@ -85,7 +86,7 @@ impl Turn {
             .faps
             .map(|fap| fap.map_or(0.0, |fap| values.get(fap) * ANGLE_UNIT));
         let turn =
-            Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch) * Quat::from_rotation_z(roll);
+            Quat::libm_rotation_y(yaw) * Quat::libm_rotation_x(pitch) * Quat::libm_rotation_z(roll);
         (self.to_parent * turn * self.to_parent.inverse() * self.rest).normalize()
     }
 

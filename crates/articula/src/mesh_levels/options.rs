@@ -6,6 +6,7 @@ use articula_build::MeshLevelOptions as BuildOptions;
 use articula_build::{
     DistanceOptions, ErrorWeighting, SimplifyOptions, region_weights, skin_regions,
 };
+use articula_core::Libm;
 use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 
@@ -168,7 +169,7 @@ fn default_targets(levels: usize) -> Vec<f64> {
         let x = (i * last) as f64 / (levels.max(2) - 1) as f64;
         let below = (x as usize).min(last - 1);
         let (a, b) = (100.0 * FIVE_LEVELS[below], 100.0 * FIVE_LEVELS[below + 1]);
-        let between = a * (b / a).powf(x - below as f64);
+        let between = a * (b / a).libm_powf(x - below as f64);
         (between * 100.0).round() / 100.0 / 100.0
     };
     (0..levels).map(at).collect()

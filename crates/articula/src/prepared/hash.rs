@@ -42,7 +42,7 @@ fn rig(skeleton: &Skeleton, articulation: &Articulation) -> u64 {
     hash.number(skeleton.joints.len());
     for joint in &skeleton.joints {
         hash.text(&joint.name);
-        hash.number(joint.parent.unwrap_or(usize::MAX));
+        hash.index(joint.parent);
         hash.transform(&joint.rest);
         hash.number(usize::from(joint.in_skin));
     }

@@ -18,6 +18,7 @@ use crate::clip::steps_at;
 use crate::key_times::SAME_SECS;
 use crate::sampling_rate::source_rate_hz;
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
+use articula_core::{Libm, LibmQuat};
 use articula_core::{Mismatch, angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
@@ -143,7 +144,7 @@ impl Round {
             turned: beside.filter(turns_along).collect(),
             step,
             yaw,
-            travel: way.x.hypot(way.z) as f32,
+            travel: way.x.libm_hypot(way.z) as f32,
         }
     }
 
@@ -186,7 +187,7 @@ fn traveller(subject: &EditSubject<'_>, clip: &RawClip, first: &Posed, last: &Po
         let parent = placed(subject, j, first);
         let [a, b] = [first, last].map(|p| p.local.translations[j].as_dvec3());
         let way = parent.point(b) - parent.point(a);
-        way.x.hypot(way.z)
+        way.x.libm_hypot(way.z)
     };
     let mut best = (hips, 0.0);
     for joint in up.filter(moves) {
@@ -341,9 +342,9 @@ impl Lack {
         let middle = parts / 2;
         match self {
             Self::Turn { lack, .. } => {
-                let turn = Quat::IDENTITY.slerp(*lack, share.abs());
+                let turn = Quat::IDENTITY.libm_slerp(*lack, share.abs());
                 let turn = if share < 0.0 { turn.conjugate() } else { turn };
-                let half = Quat::from_vec4((0.5 * lack.to_scaled_axis()).extend(0.0));
+                let half = Quat::from_vec4((0.5 * lack.libm_to_scaled_axis()).extend(0.0));
                 let value = Quat::from_slice(&floats[middle * width..]) * turn;
                 for (part, floats) in floats.chunks_mut(width).enumerate() {
                     let given = if part == middle {

@@ -10,6 +10,7 @@ use super::super::root_motion::trajectory::Trajectory;
 use super::super::subject::EditSubject;
 use crate::clip::steps_at;
 use crate::sampling_rate::source_rate_hz;
+use articula_core::LibmQuat;
 use articula_core::source::RawClip;
 use articula_core::{Mismatch, Region};
 use glam::{Quat, Vec3};
@@ -94,7 +95,7 @@ impl Frames {
             (ground, joints.collect())
         };
         for key in trajectory.keys(&times) {
-            let back = Quat::from_rotation_y(-key.yaw_radians);
+            let back = Quat::libm_rotation_y(-key.yaw_radians);
             let from = (key.secs - around_secs).max(0.0);
             let to = (key.secs + around_secs).min(clip.duration_secs);
             let ((_, before), (_, after)) = (world(from), world(to));

@@ -8,6 +8,7 @@ use super::morphs::MorphErrors;
 use super::watch::Watch;
 use crate::motion_error::keys::central_rotation;
 use crate::motion_error::runs::long_runs;
+use articula_core::LibmQuat;
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{angle_between, same_hemisphere};
 use glam::Quat;
@@ -252,7 +253,7 @@ fn between(source: &Channel, from: usize, to: usize, at: usize) -> Vec<f32> {
     let t = (secs(at) - secs(from)) / (secs(to) - secs(from));
     if source.property == Property::Rotation {
         let [a, b] = [a, b].map(Quat::from_slice);
-        return a.slerp(same_hemisphere(a, b), t).to_array().to_vec();
+        return a.libm_slerp(same_hemisphere(a, b), t).to_array().to_vec();
     }
     a.iter().zip(b).map(|(a, b)| a + (b - a) * t).collect()
 }

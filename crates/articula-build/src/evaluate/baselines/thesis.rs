@@ -6,6 +6,7 @@
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::tables::table_hashes;
+use articula_core::Libm;
 use articula_core::playback::{ErrorMatrix, ErrorMatrixTable};
 use articula_core::{Clip, JointSet, ModelPose, Rig, Wrap, angle_between, local_to_model, sample};
 use glam::{Quat, Vec3};
@@ -132,7 +133,7 @@ pub(crate) fn error_matrix(
 /// Angle between two directions, 0 where one is undefined. Computed from both sine and cosine: the
 /// arc cosine alone loses all angles below some 3e-4 radians, more than the tight threshold.
 fn angle(a: Vec3, b: Vec3) -> f32 {
-    a.cross(b).length().atan2(a.dot(b))
+    a.cross(b).length().libm_atan2(a.dot(b))
 }
 
 /// Local rotations and model-space directions of all frames.

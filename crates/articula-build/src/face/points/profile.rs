@@ -2,6 +2,7 @@
 //! along it.
 
 use super::surface::{FaceSurface, SurfacePart};
+use articula_core::Libm;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -195,7 +196,7 @@ fn bridged(found: &[Option<f32>]) -> Option<Vec<f32>> {
 /// Gaussian smoothing; values beyond the ends are those of the ends.
 fn smoothed(z: &[f32]) -> Vec<f32> {
     const REACH: isize = 5;
-    let weight = |k: isize| (-0.5 * (k as f32 / SMOOTHING).powi(2)).exp();
+    let weight = |k: isize| (-0.5 * (k as f32 / SMOOTHING).powi(2)).libm_exp();
     let total: f32 = (-REACH..=REACH).map(weight).sum();
     (0..z.len())
         .map(|index| {

@@ -1,6 +1,7 @@
 //! The surface of an eye, of which lids stay outside.
 
 use super::graph::smooth;
+use articula_core::Libm;
 use glam::Vec3;
 
 /// Directions from the axis of the eye to behind it, of which the surface is known: one for each 5°.
@@ -90,7 +91,7 @@ impl EyeShape {
 
 /// Angle from the axis, in steps of the directions.
 fn direction(from: Vec3) -> f32 {
-    from.truncate().length().atan2(from.z) / DIRECTION
+    from.truncate().length().libm_atan2(from.z) / DIRECTION
 }
 
 #[cfg(test)]

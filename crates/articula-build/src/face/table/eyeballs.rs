@@ -1,6 +1,7 @@
 //! Eyeballs: they turn, come out, and their pupils grow.
 
 use super::super::fap_values::FapValues;
+use articula_core::LibmQuat;
 use articula_core::fap_table::ANGLE_UNIT;
 use glam::{Quat, Vec3};
 
@@ -69,8 +70,8 @@ impl Gaze {
     pub(super) fn of(values: &FapValues, side: usize, separation: f32, iris: f32) -> Self {
         let (yaw, pitch) = (values.get(23 + side), values.get(25 + side));
         Self {
-            turn: Quat::from_rotation_y(yaw * ANGLE_UNIT)
-                * Quat::from_rotation_x(pitch * ANGLE_UNIT),
+            turn: Quat::libm_rotation_y(yaw * ANGLE_UNIT)
+                * Quat::libm_rotation_x(pitch * ANGLE_UNIT),
             thrust: values.get(27 + side) * separation / 1024.0,
             growth: 0.5 * values.get(29 + side) * iris / 1024.0,
             iris: 0.5 * iris,

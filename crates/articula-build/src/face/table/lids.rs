@@ -10,6 +10,7 @@ use super::graph::{SurfaceGraph, smooth};
 use super::handles::Handle;
 use super::mirror::Mirror;
 use articula_core::feature_points::PointId;
+use articula_core::{Libm, LibmQuat};
 use glam::{Quat, Vec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
@@ -260,13 +261,13 @@ impl EyeLids {
     /// Moves other parts at the lids: lashes turn with them, and what lies between them goes as far as it is
     /// from one rim to the other; `moved` has a displacement for each vertex of the surface.
     pub(super) fn move_others(&self, shares: [f32; 2], positions: &[Vec3], moved: &mut [Vec3]) {
-        let angle = |from: Vec3| from.y.atan2(from.z);
+        let angle = |from: Vec3| from.y.libm_atan2(from.z);
         for carried in &self.carried {
             let root = positions[carried.by as usize];
             let from = root - self.shape.centre;
             let up = angle(from + self.way(carried.side, root, shares)) - angle(from);
             let tip = positions[carried.vertex as usize] - root;
-            let turned = Quat::from_rotation_x(-carried.share * up) * tip;
+            let turned = Quat::libm_rotation_x(-carried.share * up) * tip;
             moved[carried.vertex as usize] += turned - tip;
         }
         for (vertex, part) in &self.between {

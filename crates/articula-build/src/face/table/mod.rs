@@ -31,6 +31,7 @@ mod weights;
 
 use super::fap_values::FapValues;
 use super::points::{FacePoints, FaceSurface, Snap};
+use articula_core::LibmQuat;
 use articula_core::fap_table::{LOW_FAPS, TABLE};
 use articula_core::feature_points::PointId;
 use eyeballs::{Eyeball, Gaze};
@@ -189,7 +190,7 @@ impl FaceTable {
             }
         }
         let turn = self.frame.jaw_radians(values);
-        let jaw = Quat::from_rotation_x(turn);
+        let jaw = Quat::libm_rotation_x(turn);
         let shift = self.frame.jaw_shift(values);
         for (vertex, share) in &self.jaw {
             let from = self.positions[*vertex as usize] - self.frame.hinge;

@@ -8,6 +8,7 @@ use super::super::points::{FacePoints, FaceSurface};
 use super::graph::{SurfaceGraph, nearest, smooth};
 use super::mirror::Mirror;
 use super::rules::component;
+use articula_core::Libm;
 use articula_core::fap_table::{ANGLE_UNIT, FapUnit};
 use articula_core::feature_points::PointId;
 use glam::Vec3;
@@ -121,7 +122,7 @@ impl Tongue {
             // The borders turn up about the middle line.
             let border = (v.aside.abs() / self.half_width).min(1.0);
             let angle = curl * border;
-            let (sin, cos) = angle.sin_cos();
+            let (sin, cos) = angle.libm_sin_cos();
             let roll = Vec3::new(v.aside * (cos - 1.0), v.aside.abs() * sin, 0.0);
             v.share * (v.along * tip + v.body * body + v.along * roll)
         })

@@ -11,6 +11,7 @@ use super::super::reader::Reader;
 use super::super::skeleton::Skeletal;
 use super::{EXPRESSION, ExpressionSet, ExpressionShare, extension};
 use crate::error::ReadError;
+use articula_core::LibmQuat;
 use articula_core::angle_between;
 use articula_core::source::{
     Channel, Expression, Interpolation, JointBinding, Mask, MaskKind, MorphBinding, Property,
@@ -195,7 +196,7 @@ impl<'a> Response<'a> {
         [0.25, 0.5, 0.75].iter().any(|&driver| {
             let found = self.at(channel, driver, width);
             if channel.property == Property::Rotation {
-                let straight = Quat::from_slice(&from).slerp(Quat::from_slice(&to), driver);
+                let straight = Quat::from_slice(&from).libm_slerp(Quat::from_slice(&to), driver);
                 return angle_between(straight, Quat::from_slice(&found)) > STRAIGHT;
             }
             let straight = from.iter().zip(&to).map(|(a, b)| a + (b - a) * driver);

@@ -7,6 +7,7 @@ use super::super::names::Names;
 use super::bodies::Body;
 use super::markup::Markup;
 use crate::uri::mime_type;
+use articula_core::Libm;
 use articula_core::source::{Character, Material, Primitive, RawMesh, TextureWrap};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -217,7 +218,7 @@ fn srgb(linear: f32) -> f32 {
     let srgb = if c <= 0.003_130_8 {
         c * 12.92
     } else {
-        1.055 * c.powf(1.0 / 2.4) - 0.055
+        1.055 * c.libm_powf(1.0 / 2.4) - 0.055
     };
     srgb as f32
 }

@@ -12,6 +12,7 @@ use super::super::names::Names;
 use super::bodies::Body;
 use super::bones::{Bone, Bones};
 use super::markup::Markup;
+use articula_core::LibmQuat;
 use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, evaluate};
 use glam::{DQuat, Quat, Vec3};
 use std::collections::HashSet;
@@ -286,7 +287,7 @@ pub(super) fn axis_angle(rotation: DQuat) -> [f32; 4] {
     } else {
         rotation
     };
-    let (axis, angle) = rotation.to_axis_angle();
+    let (axis, angle) = rotation.libm_to_axis_angle();
     let axis = axis.as_vec3();
     [axis.x, axis.y, axis.z, angle as f32]
 }

@@ -8,6 +8,7 @@ use super::search::{BACK, Judge};
 use super::skin_points::{SkinError, Sums};
 use super::truth::Truth;
 use crate::abp2::pose_unit::{MOST_PLANES, MOST_TIERS, TrackForm};
+use articula_core::Libm;
 use articula_core::Mismatch;
 
 /// Halvings of the interval of a step.
@@ -57,11 +58,11 @@ pub(super) fn finest(
                 .collect::<Vec<_>>(),
         )
     };
-    let [low, high] = FACTORS.map(f64::ln);
+    let [low, high] = FACTORS.map(Libm::libm_ln);
     let mut bounds = vec![(low, high); alone.len()];
     for _ in 0..HALVINGS {
         let middle: Vec<f64> = bounds.iter().map(|(l, h)| (l + h) / 2.0).collect();
-        let factors: Vec<f64> = middle.iter().map(|m| m.exp()).collect();
+        let factors: Vec<f64> = middle.iter().map(|m| m.libm_exp()).collect();
         let (_, shown) = quantise(&factors)?;
         let found = errors(coding, judge, &shown).of_track;
         for ((bounds, error), middle) in bounds.iter_mut().zip(found).zip(middle) {
@@ -72,7 +73,7 @@ pub(super) fn finest(
             }
         }
     }
-    let mut factors: Vec<f64> = bounds.iter().map(|(low, _)| low.exp()).collect();
+    let mut factors: Vec<f64> = bounds.iter().map(|(low, _)| low.libm_exp()).collect();
     for _ in 0..ATTEMPTS {
         let (levels, shown) = quantise(&factors)?;
         let found = errors(coding, judge, &shown);

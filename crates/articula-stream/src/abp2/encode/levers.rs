@@ -4,6 +4,7 @@
 
 use super::skin_points::SkinPoints;
 use crate::abp2::pose_unit::MOST_EXPONENT;
+use articula_core::Libm;
 use articula_core::{LocalPose, ModelPose, Rig, local_to_model};
 use glam::Vec3;
 
@@ -47,7 +48,7 @@ impl Rest {
             let above = rig
                 .parent(j)
                 .map(|p| model.matrices[p].matrix3.determinant().abs());
-            f64::from(above.unwrap_or(1.0).cbrt())
+            f64::from(above.unwrap_or(1.0).libm_cbrt())
         };
         Self {
             scales: (0..rig.len()).map(scale).collect(),
@@ -61,7 +62,7 @@ impl Rest {
         let most = f64::from(MOST_EXPONENT);
         self.scales[joint]
             .max(1e-30)
-            .log2()
+            .libm_log2()
             .round()
             .clamp(-most, most) as i32
     }

@@ -9,6 +9,7 @@ use super::quantise::{Coding, Levels};
 use super::skin_points::{Measure, SkinError, SkinPoints};
 use super::truth::Truth;
 use crate::abp2::pose_unit::{MOST_PLANES, MOST_TIERS, TrackForm};
+use articula_core::Libm;
 use articula_core::{Mismatch, Rig};
 use glam::Vec3;
 use std::cell::{Cell, OnceCell};
@@ -193,17 +194,17 @@ pub(super) fn finest<'a>(
     let mut added: Vec<usize> = Vec::new();
     let mut factor = FACTORS[0];
     for round in 0..ROUNDS {
-        let [mut low, mut high] = FACTORS.map(f64::ln);
+        let [mut low, mut high] = FACTORS.map(Libm::libm_ln);
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
-            let (_, shown) = quantise(middle.exp())?;
+            let (_, shown) = quantise(middle.libm_exp())?;
             if judge.seems_within(&shown, tolerance) {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        factor = low.exp();
+        factor = low.libm_exp();
         let (levels, shown) = quantise(factor)?;
         let worst: Vec<usize> = judge.beyond(&shown, tolerance).collect();
         if worst.is_empty() {
@@ -242,18 +243,18 @@ pub(super) fn tiers(
         let limit = tolerance * 3_f64.powi(tier as i32);
         let planes = |factor: f64| -> Vec<u8> {
             let ratio = shares.coarse.iter().zip(&shares.fine).map(|(c, f)| c / f);
-            let wanted = ratio.map(|r| (factor * r).log(3.0).round());
+            let wanted = ratio.map(|r| ((factor * r).libm_ln() / 3.0_f64.libm_ln()).round());
             let wanted = wanted.zip(&above);
             wanted
                 .map(|(w, a)| w.clamp(f64::from(*a), f64::from(MOST_PLANES)) as u8)
                 .collect()
         };
         let whole = 3_f64.powi(tier as i32);
-        let [mut low, mut high] = TIER_FACTORS.map(|factor| (whole * factor).ln());
+        let [mut low, mut high] = TIER_FACTORS.map(|factor| (whole * factor).libm_ln());
         let mut best = above.clone();
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
-            let dropped = planes(middle.exp());
+            let dropped = planes(middle.libm_exp());
             let shown = coding.shown(levels, &dropped, start);
             if judge.seems_within(&shown, limit) {
                 (low, best) = (middle, dropped);
@@ -261,7 +262,7 @@ pub(super) fn tiers(
                 high = middle;
             }
         }
-        let mut factor = low.exp();
+        let mut factor = low.libm_exp();
         let mut shown = coding.shown(levels, &best, start);
         let mut is_within = judge.beyond(&shown, limit).next().is_none();
         while !is_within && best != above {

@@ -7,6 +7,7 @@
 use super::view::{Action, Delivery, PlayerView, Policy, Request};
 use crate::decide::switching::{LayerSwitch, SwitchRule};
 use crate::decide::throughput::{ThroughputEstimator, ThroughputOptions, Transfer};
+use articula_core::Libm;
 
 /// Seconds to which versions are buffered.
 const BUFFER_SECS: f64 = 10.0;
@@ -130,7 +131,7 @@ impl Policy for BufferBased {
         let secs = view.content.segment_secs();
         let sizes = &view.content.segments()[segment].version_bytes;
         let size = |v: usize| sizes[v].max(1) as f64;
-        let utility = |v: usize| (size(v) / size(0)).ln();
+        let utility = |v: usize| (size(v) / size(0)).libm_ln();
         let most = (BUFFER_SECS / secs - 1.0).max(1.0);
         let v = most / (utility(sizes.len() - 1) + GAMMA);
         let buffer = view.buffer_secs() / secs;

@@ -5,6 +5,7 @@
 //! encoder fits in floating point; the prediction uses the transmitted whole numbers only.
 
 use crate::range_coder::Coder;
+use articula_core::Libm;
 
 /// Fractional bits of a coefficient.
 const UNIT_BITS: u32 = 6;
@@ -96,7 +97,7 @@ fn cost<const K: usize, const D: usize>(samples: &Taken<'_, K, D>, c: &[i32; K])
     let of_sample = |s: &&Sample<K, D>| {
         let predicted = mixed(c, &s.1);
         let off = |d: usize| f64::from(s.2[d].abs_diff(predicted[d])) / 16.0;
-        (0..D).map(|d| (1.0 + off(d)).log2()).sum::<f64>()
+        (0..D).map(|d| (1.0 + off(d)).libm_log2()).sum::<f64>()
     };
     samples.iter().map(of_sample).sum()
 }
