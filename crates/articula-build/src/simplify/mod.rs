@@ -31,7 +31,7 @@ mod wedges;
 pub(crate) use classes::extent;
 pub use region_weights::{region_weights, skin_regions, vertex_regions};
 
-use articula_core::{Mesh, Mismatch};
+use articula_core::{Libm, Mesh, Mismatch};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -164,8 +164,8 @@ pub fn simplify(
     for (step, shares) in options.targets.windows(2).enumerate() {
         let (finer, share) = (shares[0], shares[1]);
         let count = if step == 0 { 0 } else { options.between };
-        let ratio = f64::powf(share / finer, 1.0 / (count + 1) as f64);
-        let on_the_way = (1..=count).map(|k| target(finer * ratio.powi(k as i32)));
+        let part = |k: usize| k as f64 / (count + 1) as f64;
+        let on_the_way = (1..=count).map(|k| target(finer * (share / finer).libm_powf(part(k))));
         let mut notes = levels::Notes::new(&sources, on_the_way);
         simplifier.open_seams(step + 2 == options.targets.len());
         simplifier.run(target(share), &mut notes);
