@@ -235,7 +235,7 @@ fn delta_e(a: [f32; 3], b: [f32; 3]) -> f32 {
 }
 
 /// CIELAB of a linear sRGB colour (IEC 61966-2-1, CIE 15).
-fn lab([r, g, b]: [f32; 3]) -> [f32; 3] {
+pub(crate) fn lab([r, g, b]: [f32; 3]) -> [f32; 3] {
     let xyz = [
         0.412_456 * r + 0.357_576 * g + 0.180_437 * b,
         0.212_673 * r + 0.715_152 * g + 0.072_175 * b,

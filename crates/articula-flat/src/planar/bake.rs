@@ -374,7 +374,7 @@ impl<'a> Poser<'a> {
     }
 
     /// Applies morph weights in the rest pose.
-    fn shape(&mut self, weights: &[f32]) {
+    pub(super) fn shape(&mut self, weights: &[f32]) {
         self.local.copy_from(self.subject.rig.rest_pose());
         self.weights.copy_from_slice(weights);
         self.skin();

@@ -20,6 +20,7 @@
 
 mod bake;
 pub(crate) mod clip;
+mod contrast;
 pub(crate) mod drawn;
 mod error;
 mod fan;
@@ -43,6 +44,7 @@ mod vertex_colors;
 
 pub use bake::{BakeOptions, Lighting, Turntable, bake, bake_shapes};
 pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
+pub use contrast::color_contrast;
 pub(crate) use drawn::Drawn;
 pub use error::PlanarError;
 pub(crate) use order::{Epoch, Painting};

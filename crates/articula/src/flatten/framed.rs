@@ -1,5 +1,6 @@
 //! A character with clip and camera, and the triangles that are visible.
 
+use super::features::features;
 use super::head::{judged_regions, vertex_weights};
 use super::judged::{COUNTS, RegionWeights, TriedTriangles, chosen};
 use crate::error::{Context, Error, Result};
@@ -393,7 +394,8 @@ impl<'a> FramedCharacter<'a> {
         let place = || self.figure.opened.name();
         let asset = &self.figure.asset;
         let clip = self.shot.clip;
-        let weights = vertex_weights(&self.regions, weights);
+        let features = features(&self.whole(), seen, &self.regions);
+        let weights = vertex_weights(&self.regions, &features, weights);
         let triangles = decimate(asset, seen, clip, count, &weights).with_context(place)?;
         let shown = PlanarSubject {
             triangles: &triangles,

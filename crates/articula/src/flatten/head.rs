@@ -147,14 +147,18 @@ pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
     regions
 }
 
-/// Weight of the error at each vertex.
-pub(super) fn vertex_weights(regions: &[JudgedRegion], weights: RegionWeights) -> Vec<f32> {
-    let of = |region: &JudgedRegion| match region {
-        JudgedRegion::Face => weights.face,
+/// Weight of the error at each vertex; `features` are the factors on the face.
+pub(super) fn vertex_weights(
+    regions: &[JudgedRegion],
+    features: &[f32],
+    weights: RegionWeights,
+) -> Vec<f32> {
+    let of = |(region, feature): (&JudgedRegion, &f32)| match region {
+        JudgedRegion::Face => weights.face * feature,
         JudgedRegion::Hands => weights.hands,
         JudgedRegion::Body => 1.0,
     };
-    regions.iter().map(of).collect()
+    regions.iter().zip(features).map(of).collect()
 }
 
 /// A camera in front of the head, with a margin around it.

@@ -4,6 +4,7 @@
 //! the intermediate steps.
 
 mod expressions;
+mod features;
 mod framed;
 mod head;
 mod judged;

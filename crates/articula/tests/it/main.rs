@@ -27,6 +27,7 @@ mod face_errors;
 mod face_joints;
 mod faces;
 mod fbx;
+mod flat_features;
 mod items;
 mod joint_schemes;
 mod kept_faces;
