@@ -10,6 +10,7 @@ mod head;
 mod judged;
 mod live;
 mod report;
+mod shown_clip;
 mod surfaces;
 
 pub use framed::{FramedCharacter, FramedParts, Shot, TriangleCount};
@@ -19,6 +20,7 @@ pub use report::{
     BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlattenReport,
     LocalDifference, RepresentationReport, TriangleChoice, TriedCount, TriedSettings, WorstByPart,
 };
+pub use shown_clip::shown_clip;
 pub use surfaces::surfaces_shown_otherwise;
 
 use crate::error::{Context, Result};

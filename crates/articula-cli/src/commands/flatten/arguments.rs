@@ -72,9 +72,13 @@ pub(crate) struct ConvertArgs {
 /// The motion to show.
 #[derive(Debug, Args)]
 pub(crate) struct MotionArgs {
-    /// Name of the clip to show [default: the first, impostor all; the rest pose if there is none]
+    /// Name of the clip to show [default: the first that walks, else runs, else idles, else the first,
+    /// portrait the first, impostor all; the rest pose if there is none]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
+    /// Whether a clip that travels is shown on the spot
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = RootName::Hold)]
+    pub(crate) root: RootName,
     /// Frame rate in hertz; adjusted slightly so that the last frame falls on the end of the clip
     #[arg(long, value_name = "HZ", default_value_t = 25.0, value_parser = positive)]
     pub(crate) fps: f32,
@@ -90,6 +94,15 @@ pub(crate) struct MotionArgs {
     /// forms, in seconds
     #[arg(long, value_name = "SECS", default_value_t = 0.0, value_parser = not_negative)]
     pub(crate) at: f32,
+}
+
+/// Treatment of a clip that travels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RootName {
+    /// On the spot, as large as the picture allows
+    Hold,
+    /// Through the picture, which the whole way fits into
+    Travel,
 }
 
 /// Camera and picture size.

@@ -13,7 +13,8 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
-use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName};
+use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, RootName, ShadingName};
+use articula::Figure;
 use articula::core::Viewport;
 use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula::flat::planar::OrderOptions;
@@ -23,7 +24,7 @@ use articula::flat::vector::player::PlayerOutput;
 use articula::flat::vector::{AnimatedSvg, ThesisForm, ThesisSvgOptions};
 use articula::flatten::{
     BytesPerTriangle, FlatBytes, FlattenReport, FramedCharacter, Shot, TriangleCount,
-    flatten_driven, flatten_within, surfaces_shown_otherwise,
+    flatten_driven, flatten_within, shown_clip, surfaces_shown_otherwise,
 };
 
 /// Converts, or runs a subcommand.
@@ -45,8 +46,17 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     if profile == ProfileName::Portrait {
         return portrait::run(args, console);
     }
-    let figure = open::figure(&console.files, &args.character())?;
-    let clip = figure.clip(args.motion.clip.as_deref())?;
+    let mut opened = open::kept(&console.files, &args.character())?;
+    let (ways, faults) = match args.motion.root {
+        RootName::Hold => opened.put_in_place(),
+        RootName::Travel => Default::default(),
+    };
+    let figure = Figure::new(opened)?;
+    let clip = match args.motion.clip.as_deref() {
+        Some(name) => figure.clip(Some(name))?,
+        None => shown_clip(&figure),
+    };
+    let is_held = clip.is_some_and(|clip| ways.get(clip).is_some_and(Option::is_some));
     let shot = args.shot(profile, clip);
     let framed = console.work(|work| FramedCharacter::new(&figure, shot, work))?;
     let settings = args.settings(profile, &framed)?;
@@ -69,7 +79,9 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .warnings
         .extend(open::warnings(figure.opened.warnings()));
     report.warnings.extend(surfaces_shown_otherwise(&figure));
-    console.result(&report, report::text)
+    report.warnings.extend(faults);
+    let motion = report::motion(&figure, clip, is_held);
+    console.result(&report, |report| report::text(report) + &motion)
 }
 
 /// Writes the pictures of an animated SVG as a movie, and reports its size.
@@ -116,6 +128,7 @@ impl ConvertArgs {
         let ours = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Still];
         let vector = [moving.as_slice(), &[P::Still]].concat();
         let turned = motion.turn_deg != 0.0 || motion.cycles != 1;
+        let travels = motion.root == RootName::Travel;
         let ours_and_impostor = [ours.as_slice(), &[P::Impostor]].concat();
         let sized = shot.size != (400, 400);
         let framed = [vector.as_slice(), &[P::Portrait]].concat();
@@ -130,6 +143,7 @@ impl ConvertArgs {
             (special.form != FormName::Path, "--form", &[P::Thesis]),
             (motion.at != 0.0, "--at", &[P::Still, P::Thesis]),
             (turned, "--turn-deg or --cycles", &moving),
+            (travels, "--root", &vector),
             (aside, "--yaw-deg or --pitch-deg", &vector),
             (
                 quality.max_bytes.is_some(),

@@ -1,10 +1,24 @@
 //! The report of `flatten` for people, and what the file lacks.
 
 use crate::fault::clean;
+use articula::Figure;
 use articula::flatten::{FACE_DELTA_E, FlattenReport, LocalDifference, REST_DELTA_E};
 
 /// Share of stray pixels, percent of the figure's, above which a file is warned about.
 const STRAY_PERCENT: f64 = 0.02;
+
+/// A line about what is shown of the motion, if it is not a clip as it is.
+pub(super) fn motion(figure: &Figure, clip: Option<usize>, is_held: bool) -> String {
+    match clip {
+        Some(clip) if is_held => {
+            let name = clean(&figure.asset.clips[clip].name);
+            format!("clip \"{name}\" travels and is shown on the spot; --root travel shows its way\n")
+        }
+        Some(_) => String::new(),
+        None => "rest pose: the file has no clip; `articula convert MOTION OUT.glb --onto FILE` adds one\n"
+            .to_owned(),
+    }
+}
 
 /// Formats the report for people.
 pub(super) fn text(report: &FlattenReport) -> String {
