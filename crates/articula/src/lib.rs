@@ -44,14 +44,15 @@
 //!
 //! # Features
 //!
-//! All are on by default. Without any, the library opens, edits and converts characters, plays figures, crowds and
-//! faces, and links no codec of pictures or streams, no compressor and no rasteriser.
+//! All are on by default. Without any, the library opens glTF and VRM files, edits and converts characters, plays
+//! figures, crowds and faces, and links no codec of pictures or streams, no compressor and no rasteriser.
 //!
 //! - `prepare`: [`prepare()`] and mesh levels as streams; includes `streams`
 //! - `flat`: [`flat`], [`flatten`], [`impostor`], and the impostors of a [`crowd`]
 //! - `streams`: [`stream`], [`clip_streams`], and formats that hold streams: ABP, AFP, FBA and MP4 files are read and
 //!   written, and the motion streams of an asset are read
 //! - `item`: [`item`], and [`fs`] opens digital items; includes the three others
+//! - `formats`: BVH, ASF, AMC, BVA, X3D, VRML97 and BAP files are opened; `fbx`: FBX files
 //!
 //! [`inspect`] and [`device`] need `flat` and `streams`. A file whose feature is off is refused with an error that names it.
 //!

@@ -27,6 +27,7 @@ mod buffers;
 mod cached_draws;
 mod draws;
 mod face_levels;
+mod figure_model;
 mod frame_parts;
 mod hidden;
 #[cfg(feature = "flat")]
@@ -70,6 +71,7 @@ pub use buffer_manifest::{
 pub use buffers::CrowdBuffers;
 pub use cached_draws::PoseSource;
 pub use draws::{InstancedDraw, Instances};
+pub use figure_model::figure_model;
 pub use frame_parts::FramePart;
 pub use hidden::Hiders;
 pub use in_place::put_in_place;

@@ -91,6 +91,47 @@ impl Error {
         }
     }
 
+    /// Returns the kind of cause as a word that programs may compare: `invalid`, `unsupported`, `too-large`,
+    /// `missing`, `mismatch`, `argument`, `skeleton`, `unmapped`, `write`, `io`, `exists` or `cancelled`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::At { cause, .. } => cause.code(),
+            Self::Read(ReadError::Malformed { .. }) => "invalid",
+            Self::Read(ReadError::LimitExceeded { .. }) => "too-large",
+            Self::Read(ReadError::Missing { .. }) => "missing",
+            Self::Read(ReadError::Unsupported { .. }) | Self::Unsupported(_) => "unsupported",
+            #[cfg(feature = "streams")]
+            Self::Stream(error) => stream_code(error),
+            Self::Mismatch(_) => "mismatch",
+            Self::Argument(_) | Self::LockedVertices(_) => "argument",
+            Self::Skeleton(_) => "skeleton",
+            Self::Unmapped(_) => "unmapped",
+            Self::Write(_) | Self::Picture(_) => "write",
+            Self::Io(_) => "io",
+            Self::Exists(_) => "exists",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// Returns the locations of the error from the outermost to the innermost: the file if it is one of a
+    /// file, then paths inside it, in the end that of a reader.
+    pub fn places(&self) -> Vec<&str> {
+        match self {
+            Self::At { place, cause } => {
+                let inner = cause.places();
+                [place.as_str()].into_iter().chain(inner).collect()
+            }
+            Self::Read(
+                ReadError::Malformed { at, .. }
+                | ReadError::Unsupported { at, .. }
+                | ReadError::LimitExceeded { at, .. }
+                | ReadError::Missing { at, .. },
+            ) => vec![at],
+            Self::Mismatch(mismatch) => vec![&mismatch.at],
+            _ => Vec::new(),
+        }
+    }
+
     /// Inserts a location inside the outermost one.
     #[cfg(not(target_family = "wasm"))]
     pub(crate) fn within(self, inner: String) -> Self {
@@ -114,6 +155,14 @@ impl Error {
         ))
     }
 
+    /// An [`Error::Unsupported`] about a format other than glTF.
+    #[cfg(not(feature = "formats"))]
+    pub(crate) fn needs_formats(format: &str) -> Self {
+        Self::Unsupported(format!(
+            "files of .{format} need the feature `formats`, without which articula was built"
+        ))
+    }
+
     /// An [`Error::Unsupported`] about FBX.
     #[cfg(not(feature = "fbx"))]
     pub(crate) fn needs_fbx() -> Self {
@@ -124,6 +173,18 @@ impl Error {
     /// An [`Error::Argument`].
     pub(crate) fn argument(what: impl Into<String>) -> Self {
         Self::Argument(what.into())
+    }
+}
+
+/// The word for the cause of an error of a stream.
+#[cfg(feature = "streams")]
+fn stream_code(error: &articula_stream::StreamError) -> &'static str {
+    use articula_stream::StreamError;
+    match error {
+        StreamError::Malformed { .. } => "invalid",
+        StreamError::Unsupported { .. } => "unsupported",
+        StreamError::LimitExceeded { .. } => "too-large",
+        StreamError::Mismatch(_) => "mismatch",
     }
 }
 
@@ -179,6 +240,10 @@ mod tests {
             what: "no joint".into(),
         };
         let read: Result<()> = Err(wrong).context("a.bvh");
-        assert!(!read.unwrap_err().is_argument());
+        let read = read.unwrap_err();
+        assert!(!read.is_argument());
+        assert_eq!((outer.code(), read.code()), ("argument", "invalid"));
+        assert_eq!(outer.places(), ["a.glb", "clips"]);
+        assert_eq!(read.places(), ["a.bvh", "line 1"]);
     }
 }

@@ -79,6 +79,12 @@ impl Figure {
         })
     }
 
+    /// Returns whether the file stores [prepared](crate::prepare()) data that belong to the character: then
+    /// a [`CrowdAsset`](crate::crowd::CrowdAsset) reads what it else computes.
+    pub fn is_prepared(&self) -> bool {
+        self.stored().is_some()
+    }
+
     /// Measures the clips of the figure against the keys of its file.
     pub fn resampling(&self) -> Vec<ClipResampling> {
         let clips = 0..self.asset.clips.len();

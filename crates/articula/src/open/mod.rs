@@ -1,8 +1,12 @@
 //! Reading characters from bytes; the format is detected from the bytes, then from the name.
 
+#[cfg(feature = "formats")]
 mod acclaim;
+#[cfg(feature = "formats")]
 mod bap;
+#[cfg(feature = "formats")]
 mod bva;
+#[cfg(feature = "formats")]
 mod bvh;
 mod clips;
 mod data;
@@ -22,6 +26,8 @@ mod motion;
 mod motion_stream;
 #[cfg(not(feature = "fbx"))]
 mod no_fbx;
+#[cfg(not(feature = "formats"))]
+mod no_formats;
 #[cfg(not(feature = "streams"))]
 mod no_streams;
 mod options;
@@ -31,6 +37,7 @@ mod pictures;
 mod size;
 #[cfg(feature = "streams")]
 mod streams;
+#[cfg(feature = "formats")]
 mod x3d;
 
 pub use data::{Data, DataFile, open_data};
@@ -43,6 +50,8 @@ pub use options::OpenOptions;
 
 #[cfg(not(feature = "fbx"))]
 use no_fbx as fbx;
+#[cfg(not(feature = "formats"))]
+use no_formats::{self as acclaim, self as bap, self as bva, self as bvh, self as x3d};
 #[cfg(not(feature = "streams"))]
 use no_streams as streams;
 
@@ -168,6 +177,7 @@ impl Input<'_, '_> {
 
 impl CharacterFile {
     /// Converts the lengths of a file whose reader takes them for metres.
+    #[cfg(feature = "formats")]
     fn scale_lengths(&mut self, unit_metres: Option<f32>) {
         let Some(factor) = unit_metres else {
             return;

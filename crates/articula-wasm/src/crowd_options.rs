@@ -1,0 +1,54 @@
+//! Options of a crowd, from JSON.
+
+use crate::error::{Fault, Result};
+use articula::crowd::{CrowdOptions, MAX_MESH_LEVELS, RootMotionPolicy};
+use serde::Deserialize;
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields, rename_all = "camelCase")]
+struct Options {
+    clips: Vec<String>,
+    mesh_levels: Option<usize>,
+    pose_cache: Option<bool>,
+    root_motion: Option<String>,
+}
+
+/// Reads the treatment of root motion.
+pub(crate) fn root_motion(word: &str) -> Result<RootMotionPolicy> {
+    match word {
+        "in-place" => Ok(RootMotionPolicy::OnTheSpot),
+        "as-authored" => Ok(RootMotionPolicy::AsAuthored),
+        "extracted" => Ok(RootMotionPolicy::Extracted),
+        _ => Err(Fault::argument(format!(
+            "rootMotion: \"{word}\"; known are \"in-place\", \"as-authored\" and \"extracted\""
+        ))),
+    }
+}
+
+/// Reads the options of a crowd.
+pub(crate) fn crowd_options(json: Option<&str>) -> Result<CrowdOptions> {
+    let options: Options = match json {
+        Some(json) => serde_json::from_str(json)
+            .map_err(|error| Fault::argument(format!("options: {error}")))?,
+        None => Options::default(),
+    };
+    if options
+        .mesh_levels
+        .is_some_and(|levels| levels > MAX_MESH_LEVELS)
+    {
+        return Err(Fault::argument(format!(
+            "options: meshLevels must be at most {MAX_MESH_LEVELS}"
+        )));
+    }
+    let usual = CrowdOptions::default();
+    Ok(CrowdOptions {
+        clips: options.clips,
+        mesh_levels: options.mesh_levels,
+        pose_cache: options.pose_cache.unwrap_or(usual.pose_cache),
+        root_motion: match options.root_motion {
+            Some(word) => root_motion(&word)?,
+            None => usual.root_motion,
+        },
+        ..usual
+    })
+}

@@ -1,0 +1,140 @@
+//! Operations that take long: for a worker, so that the page goes on.
+
+mod options;
+mod packaged;
+mod progress;
+
+use crate::error::Fault;
+use articula::convert::write;
+use articula::flat::flatten::PrepareClipOptions;
+use articula::flatten::{FramedCharacter, flatten_within};
+use articula::inspect::inspect;
+use articula::item::package;
+use articula::{CharacterFile, Figure, Format, OpenOptions, convert, open, prepare};
+use packaged::PackagedFile;
+use progress::{ProgressCallback, run};
+use wasm_bindgen::prelude::*;
+
+/// Long operations on characters of all formats: files go in as bytes and come out as bytes. Each may take seconds;
+/// call them in a worker.
+///
+/// All throw an `ArticulaError` for files that cannot be read, for options that they do not know, and with the code
+/// "cancelled" when `progress` returns `false`.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Tools {}
+
+#[wasm_bindgen]
+impl Tools {
+    /// Computes what crowds and figures of a character read, and returns it as a GLB file with it. `options` is
+    /// JSON: `{meshLevels?: number}`, 1 to 16; without it no mesh levels are made.
+    pub fn prepare(
+        bytes: &[u8],
+        name: &str,
+        options: Option<String>,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<u8>, JsValue> {
+        let options = options::read::<options::Prepare>(options.as_deref())?.options()?;
+        run(progress, name, |work| {
+            Ok(prepare(opened(bytes, name)?, &options, work)?.glb)
+        })
+    }
+
+    /// Converts a character to another format, named by its ending: "glb", "bvh", "x3d" and others. `options` is
+    /// JSON: `{clip?: string}`, the one clip to keep.
+    pub fn convert(
+        bytes: &[u8],
+        name: &str,
+        to: &str,
+        options: Option<String>,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<u8>, JsValue> {
+        let options = options::read::<options::Convert>(options.as_deref())?.options();
+        let format = Format::of_extension(to).ok_or_else(|| {
+            Fault::argument(format!(
+                "there is no format \"{to}\"; give an ending such as \"glb\""
+            ))
+        })?;
+        run(progress, name, |work| {
+            let made = convert(opened(bytes, name)?, format, &options, work)?;
+            Ok(made.written.bytes)
+        })
+    }
+
+    /// Adds the clips of another file to a character, retargeted if the skeletons differ, and returns it as a GLB or
+    /// VRM file. `options` is JSON: `{clip?: string, keepOwn?: boolean, prefix?: string}`.
+    #[wasm_bindgen(js_name = addClips)]
+    pub fn add_clips(
+        bytes: &[u8],
+        name: &str,
+        motion: &[u8],
+        #[wasm_bindgen(js_name = motionName)] motion_name: &str,
+        options: Option<String>,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<u8>, JsValue> {
+        let options = options::read::<options::AddClips>(options.as_deref())?.options();
+        run(progress, name, |work| {
+            let mut character = opened(bytes, name)?;
+            let motion = opened(motion, motion_name)?;
+            character.add_clips(&[motion], &options, work)?;
+            let format = match character.format() {
+                Format::Vrm => Format::Vrm,
+                _ => Format::Glb,
+            };
+            Ok(write(&character, format)?.bytes)
+        })
+    }
+
+    /// Makes a moving picture of a clip: an animated SVG ("svg"), a JavaScript module ("player") or Lottie JSON
+    /// ("lottie"). `options` is JSON: `{form?: string, clip?: string, yawDeg?: number, triangles?: number, maxBytes?:
+    /// number}`.
+    pub fn flatten(
+        bytes: &[u8],
+        name: &str,
+        options: Option<String>,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<u8>, JsValue> {
+        let options: options::Flatten = options::read(options.as_deref())?;
+        run(progress, name, |work| {
+            let figure = Figure::new(opened(bytes, name)?)?;
+            let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
+            let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
+            let (_, flat) = flatten_within(framed, &clip, &settings, work)?;
+            Ok(flat.bytes)
+        })
+    }
+
+    /// Describes a file as JSON: joints and what they were recognised as, clips, meshes, face, warnings.
+    pub fn inspect(bytes: &[u8], name: &str) -> Result<String, JsValue> {
+        run(None, name, |work| {
+            let figure = Figure::new(opened(bytes, name)?)?;
+            let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
+            let found = inspect(&figure, &clips, work)?;
+            serde_json::to_string(&found).map_err(|error| articula::Error::Write(Box::new(error)))
+        })
+    }
+
+    /// Packages a character as a digital item, the files of a folder from which a server sends parts. `options` is
+    /// JSON: `{meshLevels?: number, clips?: string[], flat?: boolean}`.
+    pub fn package(
+        bytes: &[u8],
+        name: &str,
+        options: Option<String>,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<PackagedFile>, JsValue> {
+        let options = options::read::<options::Package>(options.as_deref())?.options()?;
+        let item = run(progress, name, |work| {
+            package(opened(bytes, name)?, &options, work)
+        })?;
+        Ok(item.files().into_iter().map(PackagedFile::new).collect())
+    }
+}
+
+fn opened(bytes: &[u8], name: &str) -> articula::Result<CharacterFile> {
+    let mut alone = |uri: &str| {
+        Err(format!(
+            "{uri} is not in the file; give a file that holds all"
+        ))
+    };
+    open(bytes, name, &OpenOptions::default(), &mut alone)
+}
