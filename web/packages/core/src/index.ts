@@ -1,0 +1,8 @@
+export { Asset, Crowd, Figure, Geometry } from '../wasm/play.js';
+export { Articula, type CrowdParts, type FigureParts, type LoadOptions } from './articula.js';
+export { CrowdArrays, type CrowdOptions, type DrawGroup, type DrawKind } from './crowd.js';
+export { ArticulaError, type ArticulaErrorCode, type ArticulaFault } from './error.js';
+export { FigureArrays, MATRIX_FLOATS } from './figure.js';
+export type { Progress } from './messages.js';
+export { type FlattenOptions, type TaskOptions, Tools, type ToolsSource } from './tools.js';
+export { packViews, VIEW_FLOATS, type View } from './view.js';

@@ -1,0 +1,141 @@
+import { type Material, MeshDepthMaterial, MeshDistanceMaterial, RGBADepthPacking } from 'three';
+
+import {
+  type CrowdMaterials,
+  type CrowdShading,
+  type CrowdShape,
+  DRAW,
+  entriesOf,
+  MORPH_SET,
+  weightsOf,
+} from './crowd-shading.js';
+import { DataRows, type TextureHolder } from './data-rows.js';
+
+/** Poses crowds in the shaders of `WebGLRenderer`. */
+export class GlslShading implements CrowdShading {
+  materials(source: Material, shape: CrowdShape): CrowdMaterials {
+    return {
+      material: posed(source.clone(), shape, source),
+      depth: posed(new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), shape),
+      distance: posed(new MeshDistanceMaterial(), shape),
+    };
+  }
+}
+
+/** Adds the posing to the shader of a material. */
+function posed<M extends Material>(material: M, shape: CrowdShape, source?: Material): M {
+  const holder = (rows: DataRows): TextureHolder => rows.hold({ value: null });
+  const uniforms: Record<string, TextureHolder> = {
+    articulaPalettes: holder(shape.palettes),
+    articulaTransforms: holder(shape.transforms),
+  };
+  if (shape.colors !== undefined) {
+    uniforms.articulaColors = holder(shape.colors);
+  }
+  if (shape.morphs !== undefined) {
+    uniforms.articulaDeltas = holder(shape.morphs.deltas);
+    uniforms.articulaWeights = holder(shape.weights);
+  }
+  const variant = `articula ${JSON.stringify([
+    shape.blended,
+    shape.fours,
+    shape.colors !== undefined,
+    shape.morphs?.targets,
+    shape.morphs?.vertices,
+  ])}`;
+  const sourceKey = source?.customProgramCacheKey() ?? '';
+  material.customProgramCacheKey = () => variant + sourceKey;
+  material.onBeforeCompile = (shader, renderer) => {
+    source?.onBeforeCompile(shader, renderer);
+    Object.assign(shader.uniforms, uniforms);
+    shader.vertexShader = shader.vertexShader
+      .replace('void main() {', `${declarations(shape)}\nvoid main() {\n${body(shape)}`)
+      .replace('#include <beginnormal_vertex>', '#include <beginnormal_vertex>\nobjectNormal = articulaNormal;')
+      .replace('#include <begin_vertex>', '#include <begin_vertex>\ntransformed = articulaPosition;');
+    if (shape.colors !== undefined) {
+      shader.fragmentShader = shader.fragmentShader
+        .replace('void main() {', 'varying vec3 articulaColor;\nvoid main() {')
+        .replace('#include <color_fragment>', '#include <color_fragment>\ndiffuseColor.rgb *= articulaColor;');
+    }
+  };
+  return material;
+}
+
+function declarations({ blended, fours, colors, morphs }: CrowdShape): string {
+  const influences = Array.from(
+    { length: fours },
+    (_, i) => `attribute uvec4 ${entriesOf(i)};\nattribute vec4 ${weightsOf(i)};`,
+  );
+  return /* glsl */ `
+${influences.join('\n')}
+attribute ${blended ? 'uvec4' : 'uvec2'} ${DRAW};
+uniform highp sampler2D articulaPalettes;
+uniform highp sampler2D articulaTransforms;
+${colors === undefined ? '' : 'uniform highp sampler2D articulaColors;\nvarying vec3 articulaColor;'}
+${morphs === undefined ? '' : `attribute uint ${MORPH_SET};\nuniform highp sampler2D articulaDeltas;\nuniform highp sampler2D articulaWeights;`}
+
+struct ArticulaRows { vec4 x; vec4 y; vec4 z; };
+
+vec4 articulaTexel(highp sampler2D from, uint index) {
+  return texelFetch(from, ivec2(index % ${DataRows.WIDTH}u, index / ${DataRows.WIDTH}u), 0);
+}
+
+ArticulaRows articulaMatrix(highp sampler2D from, uint index) {
+  uint at = index * 3u;
+  return ArticulaRows(articulaTexel(from, at), articulaTexel(from, at + 1u), articulaTexel(from, at + 2u));
+}
+
+void articulaAdd(inout ArticulaRows sum, uint entry, float weight) {
+  if (weight == 0.0) return;
+  ${
+    blended
+      ? `ArticulaRows a = articulaMatrix(articulaPalettes, ${DRAW}.x + entry);
+  ArticulaRows b = articulaMatrix(articulaPalettes, ${DRAW}.y + entry);
+  float share = uintBitsToFloat(${DRAW}.z);
+  ArticulaRows m = ArticulaRows(a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share);`
+      : `ArticulaRows m = articulaMatrix(articulaPalettes, ${DRAW}.y + entry);`
+  }
+  sum = ArticulaRows(sum.x + m.x * weight, sum.y + m.y * weight, sum.z + m.z * weight);
+}
+
+vec3 articulaPoint(ArticulaRows m, vec3 point) {
+  vec4 p = vec4(point, 1.0);
+  return vec3(dot(m.x, p), dot(m.y, p), dot(m.z, p));
+}
+
+// By the cofactor matrix: normals point outwards of a matrix that mirrors too.
+vec3 articulaTurn(ArticulaRows m, vec3 n) {
+  vec3 first = cross(m.y.xyz, m.z.xyz);
+  vec3 moved = vec3(dot(first, n), dot(cross(m.z.xyz, m.x.xyz), n), dot(cross(m.x.xyz, m.y.xyz), n));
+  return normalize(dot(m.x.xyz, first) < 0.0 ? -moved : moved);
+}
+`;
+}
+
+function body({ blended, fours, colors, morphs, morphTargets }: CrowdShape): string {
+  const character = blended ? `${DRAW}.w` : `${DRAW}.x`;
+  const adds = Array.from({ length: fours * 4 }, (_, i) => {
+    const component = 'xyzw'[i % 4];
+    const four = Math.floor(i / 4);
+    return `  articulaAdd(articulaPose, ${entriesOf(four)}.${component}, ${weightsOf(four)}.${component});`;
+  });
+  const moves = (morphs?.targets ?? []).map(
+    (target, i) => /* glsl */ `  articulaWeight = articulaTexel(articulaWeights, ${MORPH_SET} * ${morphTargets}u + ${target}u).x;
+  if (articulaWeight != 0.0) {
+    uint at = (${i * (morphs?.vertices ?? 0)}u + uint(gl_VertexID)) * 2u;
+    articulaPosition += articulaTexel(articulaDeltas, at).xyz * articulaWeight;
+    articulaNormal += articulaTexel(articulaDeltas, at + 1u).xyz * articulaWeight;
+  }`,
+  );
+  return /* glsl */ `
+  vec3 articulaPosition = position;
+  vec3 articulaNormal = normal;
+  ${morphs === undefined ? '' : `float articulaWeight;\n${moves.join('\n')}`}
+  ArticulaRows articulaPose = ArticulaRows(vec4(0.0), vec4(0.0), vec4(0.0));
+${adds.join('\n')}
+  ArticulaRows articulaWorld = articulaMatrix(articulaTransforms, ${character});
+  articulaPosition = articulaPoint(articulaWorld, articulaPoint(articulaPose, articulaPosition));
+  articulaNormal = articulaTurn(articulaWorld, articulaTurn(articulaPose, articulaNormal));
+  ${colors === undefined ? '' : `articulaColor = articulaTexel(articulaColors, ${character}).rgb;`}
+`;
+}

@@ -1,0 +1,165 @@
+import type { DrawGroup, Geometry } from '@articula/core';
+import {
+  BufferAttribute,
+  BufferGeometry,
+  DynamicDrawUsage,
+  InstancedBufferAttribute,
+  InstancedBufferGeometry,
+  IntType,
+  Mesh,
+} from 'three';
+
+import { addVertices, type MaterialRange, sortTriangles } from './geometry.js';
+import { type CrowdMaterials, type CrowdMorphs, DRAW, entriesOf, MORPH_SET, weightsOf } from './crowd-shading.js';
+import { DataRows } from './data-rows.js';
+
+/** Integers of an instance: those of a draw, a record or a stepped draw. */
+const DRAW_NUMBERS = { palette: 2, record: 4, step: 2, impostor: 2 } as const;
+
+/** The mesh of a level: what its draws of all kinds share. */
+export class LevelMesh {
+  readonly geometry = new BufferGeometry();
+  readonly ranges: readonly MaterialRange[];
+  /** Runs of four influences. */
+  readonly fours: number;
+  readonly morphs: CrowdMorphs | undefined;
+
+  constructor(mesh: Geometry) {
+    addVertices(this.geometry, mesh);
+    this.fours = mesh.influences / 4;
+    const entries = mesh.entries();
+    const weights = mesh.weights();
+    for (let four = 0; four < this.fours; four += 1) {
+      const attribute = new BufferAttribute(every(entries, mesh.influences, four), 4);
+      attribute.gpuType = IntType;
+      this.geometry.setAttribute(entriesOf(four), attribute);
+      this.geometry.setAttribute(weightsOf(four), new BufferAttribute(every(weights, mesh.influences, four), 4));
+    }
+    const { index, ranges } = sortTriangles(mesh);
+    this.geometry.setIndex(index);
+    this.ranges = ranges;
+    this.morphs = morphsOf(mesh);
+  }
+
+  dispose(): void {
+    this.geometry.dispose();
+    this.morphs?.deltas.dispose();
+  }
+}
+
+/** Instances of one kind and level: a mesh for each material. */
+export class GroupMeshes {
+  readonly meshes: readonly Mesh[];
+  readonly #draws: InstancedBufferAttribute;
+  readonly #sets: InstancedBufferAttribute | undefined;
+
+  constructor(kind: DrawGroup['kind'], level: LevelMesh, count: number, materials: readonly CrowdMaterials[]) {
+    const numbers = DRAW_NUMBERS[kind];
+    this.#draws = instanced(new Uint32Array(count * numbers), numbers);
+    this.#sets = level.morphs === undefined ? undefined : instanced(new Uint32Array(count), 1);
+    this.meshes = level.ranges.map((range, i) => {
+      const geometry = new InstancedBufferGeometry();
+      geometry.index = level.geometry.index;
+      Object.assign(geometry.attributes, level.geometry.attributes);
+      geometry.setAttribute(DRAW, this.#draws);
+      if (this.#sets !== undefined) {
+        geometry.setAttribute(MORPH_SET, this.#sets);
+      }
+      geometry.setDrawRange(range.start, range.count);
+      return groupMesh(geometry, materials[i] as CrowdMaterials);
+    });
+  }
+
+  /** Shows the instances of a group; `list` has those of its kind. */
+  show(group: DrawGroup, list: Uint32Array): void {
+    const { itemSize } = this.#draws;
+    const shown = list.subarray(group.first * itemSize, (group.first + group.count) * itemSize);
+    this.#draws.array.set(shown);
+    send(this.#draws, shown.length);
+    if (this.#sets !== undefined) {
+      const { array } = this.#sets;
+      for (let i = 0; i < group.count; i += 1) {
+        array[i] = i < group.morphSets ? group.firstMorphSet + i + 1 : 0;
+      }
+      send(this.#sets, group.count);
+    }
+    for (const mesh of this.meshes) {
+      (mesh.geometry as InstancedBufferGeometry).instanceCount = group.count;
+      mesh.visible = true;
+    }
+  }
+
+  hide(): void {
+    for (const mesh of this.meshes) {
+      mesh.visible = false;
+    }
+  }
+
+  dispose(): void {
+    for (const mesh of this.meshes) {
+      mesh.removeFromParent();
+      mesh.geometry.dispose();
+    }
+  }
+}
+
+function groupMesh(geometry: InstancedBufferGeometry, { material, depth, distance }: CrowdMaterials): Mesh {
+  const mesh = new Mesh(geometry, material);
+  // The crowd culls its characters itself, and answers ray casts.
+  mesh.frustumCulled = false;
+  mesh.raycast = () => undefined;
+  mesh.matrixAutoUpdate = false;
+  if (depth !== undefined) {
+    mesh.customDepthMaterial = depth;
+  }
+  if (distance !== undefined) {
+    mesh.customDistanceMaterial = distance;
+  }
+  return mesh;
+}
+
+function instanced(numbers: Uint32Array, itemSize: number): InstancedBufferAttribute {
+  const attribute = new InstancedBufferAttribute(numbers, itemSize);
+  attribute.gpuType = IntType;
+  attribute.setUsage(DynamicDrawUsage);
+  return attribute;
+}
+
+function send(attribute: InstancedBufferAttribute, numbers: number): void {
+  attribute.clearUpdateRanges();
+  attribute.addUpdateRange(0, numbers);
+  attribute.needsUpdate = true;
+}
+
+/** Returns one run of four of the influences of each vertex. */
+function every<T extends Uint16Array | Float32Array>(all: T, influences: number, four: number): T {
+  if (influences === 4) {
+    return all;
+  }
+  return all.filter((_, i) => Math.floor((i % influences) / 4) === four) as T;
+}
+
+/** Returns the deltas of the targets that move a vertex. */
+function morphsOf(mesh: Geometry): CrowdMorphs | undefined {
+  const targets: number[] = [];
+  const deltas = new DataRows(4);
+  for (let target = 0; target < mesh.morphs(); target += 1) {
+    const positions = mesh.morphPositions(target);
+    if (!positions) {
+      continue;
+    }
+    const normals = mesh.morphNormals(target);
+    const texels = new Float32Array(mesh.vertices * 8);
+    for (let vertex = 0; vertex < mesh.vertices; vertex += 1) {
+      texels.set(positions.subarray(vertex * 3, vertex * 3 + 3), vertex * 8);
+      texels.set(normals?.subarray(vertex * 3, vertex * 3 + 3) ?? [], vertex * 8 + 4);
+    }
+    deltas.write(texels, targets.length * texels.length);
+    targets.push(target);
+  }
+  if (targets.length === 0) {
+    deltas.dispose();
+    return undefined;
+  }
+  return { deltas, targets, vertices: mesh.vertices };
+}

@@ -1,0 +1,48 @@
+import type { Material } from 'three';
+
+import type { DataRows } from './data-rows.js';
+
+/** Morph targets of a mesh, for shaders: deltas of position and normal of each vertex, target after target. */
+export interface CrowdMorphs {
+  readonly deltas: DataRows;
+  /** The index of each target among all of the asset. */
+  readonly targets: readonly number[];
+  readonly vertices: number;
+}
+
+/** What shaders of a crowd read, and how. */
+export interface CrowdShape {
+  /** Whether instances are blend records (uvec4) or have a palette (uvec2). */
+  readonly blended: boolean;
+  /** Matrices of palettes. */
+  readonly palettes: DataRows;
+  readonly transforms: DataRows;
+  /** Colour of each character, if one was ever set. */
+  readonly colors: DataRows | undefined;
+  /** Runs of four influences of a vertex. */
+  readonly fours: number;
+  readonly morphs: CrowdMorphs | undefined;
+  /** Weights of morph targets: the defaults, then the sets of the frame. */
+  readonly weights: DataRows;
+  /** Morph targets of the asset. */
+  readonly morphTargets: number;
+}
+
+/** The materials that draw a part of a crowd. */
+export interface CrowdMaterials {
+  readonly material: Material;
+  /** For shadows, where the renderer needs them. */
+  readonly depth?: Material;
+  readonly distance?: Material;
+}
+
+/** Makes materials whose vertices are posed on the GPU. */
+export interface CrowdShading {
+  materials(source: Material, shape: CrowdShape): CrowdMaterials;
+}
+
+/** Names of vertex attributes. */
+export const DRAW = 'articulaDraw';
+export const MORPH_SET = 'articulaSet';
+export const entriesOf = (four: number): string => `articulaEntries${four}`;
+export const weightsOf = (four: number): string => `articulaWeights${four}`;

@@ -1,0 +1,86 @@
+import {
+  Bone,
+  type BufferGeometry,
+  DetachedBindMode,
+  type Material,
+  Matrix4,
+  Skeleton,
+  SkinnedMesh,
+  Vector3,
+  Vector4,
+} from 'three';
+
+import { columnsOfRows } from './rows.js';
+
+/** A skeleton with the matrices of a palette, in place of bones. */
+export class PaletteSkeleton extends Skeleton {
+  readonly #count: number;
+  readonly #columns: Float32Array;
+
+  constructor(count: number) {
+    // Renderers read the number of bones, never the bones themselves.
+    const bone = new Bone();
+    const none = new Matrix4();
+    super(new Array<Bone>(count).fill(bone), new Array<Matrix4>(count).fill(none));
+    this.#count = count;
+    this.#columns = new Float32Array(count * 16);
+  }
+
+  /** Takes over a palette: matrices of three rows. */
+  setPalette(rows: Float32Array): void {
+    columnsOfRows(this.#columns, rows, this.#count);
+  }
+
+  /** Returns a matrix of the palette, in `to`. */
+  matrix(index: number, to: Matrix4): Matrix4 {
+    return to.fromArray(this.#columns, index * 16);
+  }
+
+  /** Called by renderers before a frame. */
+  override update(): void {
+    (this.boneMatrices as Float32Array).set(this.#columns);
+    if (this.boneTexture !== null) {
+      this.boneTexture.needsUpdate = true;
+    }
+  }
+}
+
+const base = new Vector3();
+const moved = new Vector3();
+const entry = new Matrix4();
+const entries = new Vector4();
+const weights = new Vector4();
+
+/** A skinned mesh whose matrices take rest positions to the space of the figure. */
+export class FigureMesh extends SkinnedMesh<BufferGeometry, Material[]> {
+  readonly #palette: PaletteSkeleton;
+
+  constructor(geometry: BufferGeometry, materials: Material[], skeleton: PaletteSkeleton) {
+    super(geometry, materials);
+    this.#palette = skeleton;
+    this.bindMode = DetachedBindMode;
+    this.bind(skeleton, new Matrix4());
+  }
+
+  /** Moves a point as the vertex `index` is moved; ray casts and `computeBoundingBox` use it. */
+  override applyBoneTransform(index: number, target: Vector3): Vector3;
+  override applyBoneTransform(index: number, target: Vector4): Vector4;
+  override applyBoneTransform(index: number, target: Vector3 | Vector4): Vector3 | Vector4 {
+    const { skinIndex, skinWeight } = this.geometry.attributes;
+    if (skinIndex === undefined || skinWeight === undefined) {
+      return target;
+    }
+    entries.fromBufferAttribute(skinIndex as never, index);
+    weights.fromBufferAttribute(skinWeight as never, index);
+    base.set(target.x, target.y, target.z);
+    moved.set(0, 0, 0);
+    for (let i = 0; i < 4; i += 1) {
+      const weight = weights.getComponent(i);
+      if (weight !== 0) {
+        const at = this.#palette.matrix(entries.getComponent(i), entry);
+        moved.addScaledVector(target.copy(base as never).applyMatrix4(at) as Vector3, weight);
+      }
+    }
+    return target.copy(moved as never);
+  }
+}

@@ -1,0 +1,36 @@
+// Pixels of figures and crowds beside three.js's own.
+
+/** Pixels that may differ by more than 8 levels, in percent. */
+const MOST_PERCENT = 0.5;
+/** Pixels that a character and its shadow change at least, in percent. */
+const LEAST_SHOWN = 2;
+
+const FILES = [
+  { file: 'glb/Quaternius_single_knight_pack__KnightCharacter.glb', clip: 'HumanArmature|Run_swordAttack' },
+  { file: 'glb/pab_arnaud.glb', clip: 'walk' },
+  { file: 'glb/Quaternius_modular_men__Suit.glb', clip: undefined },
+  { file: 'glb/RobotExpressive.glb', clip: 'Robot_Dance' },
+  { file: 'glb/ict_head_talk_554.glb', clip: 'talk_turn' },
+  { file: 'vrm/debug_robot.vrm', clip: undefined },
+];
+
+export const PICTURES = ['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) =>
+  FILES.map(({ file, clip }) => ({
+    name: `pictures ${kind} ${file.split('/')[1]}`,
+    call: ['pictures', [kind, `/assets/${file}`, clip]],
+    async check(result, save) {
+      const faults = [];
+      for (const part of ['figure', 'crowd']) {
+        const { percent, shown, png } = result[part];
+        await save(part, png);
+        if (percent > MOST_PERCENT) {
+          faults.push(`${part}: ${percent.toFixed(2)} % of the pixels differ, the most is ${MOST_PERCENT}`);
+        }
+        if (shown < LEAST_SHOWN) {
+          faults.push(`${part}: ${shown.toFixed(2)} % of the pixels show it, the least is ${LEAST_SHOWN}`);
+        }
+      }
+      return faults;
+    },
+  })),
+);
