@@ -1,4 +1,5 @@
 // What the tests call in the page.
+import { madeCharacter } from './made.js';
 import { comparePictures } from './pictures.js';
 import { makeRenderer } from './stage.js';
 
@@ -14,5 +15,9 @@ async function rendererOf(kind) {
 window.tests = {
   async pictures(kind, url, clip) {
     return comparePictures(await rendererOf(kind), kind, url, clip);
+  },
+  async made(kind) {
+    const url = URL.createObjectURL(new Blob([await madeCharacter()]));
+    return comparePictures(await rendererOf(kind), kind, url, 'wave');
   },
 };

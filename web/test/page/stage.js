@@ -29,20 +29,20 @@ export async function makeRenderer(kind) {
 export function makeStage(height, columns) {
   const scene = new THREE.Scene();
   scene.background = new THREE.Color(0x8899aa);
-  scene.add(new THREE.HemisphereLight(0xffffff, 0x556655, 2));
-  const sun = new THREE.DirectionalLight(0xffffff, 3);
+  scene.add(new THREE.HemisphereLight(0xffffff, 0x556655, 1));
+  const sun = new THREE.DirectionalLight(0xffffff, 2.5);
   sun.position.set(1, 2, 1.5).multiplyScalar(2 * height);
   sun.castShadow = true;
   const reach = columns * height;
   Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, far: 10 * height });
   sun.shadow.bias = -0.002;
   scene.add(sun);
-  const floor = new THREE.Mesh(new THREE.PlaneGeometry(20 * height, 20 * height), new THREE.MeshStandardMaterial());
+  const floor = new THREE.Mesh(new THREE.PlaneGeometry(40 * height, 40 * height), new THREE.MeshStandardMaterial({ color: 0x555b55 }));
   floor.rotation.x = -Math.PI / 2;
   floor.receiveShadow = true;
   scene.add(floor);
   const camera = new THREE.PerspectiveCamera(40, WIDTH / HEIGHT, height / 50, 50 * height);
-  camera.position.set(0.5, 0.9, 1).multiplyScalar((1 + columns) * height);
+  camera.position.set(0.5, 0.9, 1).multiplyScalar((0.6 + 0.75 * columns) * height);
   camera.lookAt(0, 0.45 * height, 0);
   return { scene, camera };
 }

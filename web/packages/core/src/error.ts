@@ -1,12 +1,15 @@
 /** What went wrong, by kind. Other kinds may be added. */
 export type ArticulaErrorCode =
-  | 'unsupported'
-  | 'invalid'
-  | 'read'
-  | 'write'
-  | 'too-large'
-  | 'mismatch'
+  | 'argument'
   | 'cancelled'
+  | 'invalid'
+  | 'mismatch'
+  | 'missing'
+  | 'skeleton'
+  | 'too-large'
+  | 'unmapped'
+  | 'unsupported'
+  | 'write'
   | (string & {});
 
 /** The facts of an {@link ArticulaError}, as they pass between threads. */

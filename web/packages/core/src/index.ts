@@ -3,6 +3,15 @@ export { Articula, type CrowdParts, type FigureParts, type LoadOptions } from '.
 export { CrowdArrays, type CrowdOptions, type DrawGroup, type DrawKind } from './crowd.js';
 export { ArticulaError, type ArticulaErrorCode, type ArticulaFault } from './error.js';
 export { FigureArrays, MATRIX_FLOATS } from './figure.js';
-export type { Progress } from './messages.js';
-export { type FlattenOptions, type TaskOptions, Tools, type ToolsSource } from './tools.js';
+export type { PackagedBytes, Progress } from './messages.js';
+export {
+  type AddClipsOptions,
+  type ConvertOptions,
+  type FlattenOptions,
+  type PackageOptions,
+  type PrepareOptions,
+  type TaskOptions,
+  Tools,
+  type ToolsSource,
+} from './tools.js';
 export { packViews, VIEW_FLOATS, type View } from './view.js';

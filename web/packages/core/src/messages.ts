@@ -1,6 +1,6 @@
 import type { ArticulaFault } from './error.js';
 
-/** How far a worker is. */
+/** How far a task is. */
 export interface Progress {
   /** What is done now. */
   readonly part: string;
@@ -8,25 +8,35 @@ export interface Progress {
   readonly total: number;
 }
 
+/** A file of a digital item. */
+export interface PackagedBytes {
+  readonly name: string;
+  readonly bytes: Uint8Array;
+}
+
+interface FileTask<Call extends string> {
+  readonly call: Call;
+  readonly bytes: Uint8Array;
+  readonly name: string;
+  /** JSON. */
+  readonly options: string;
+}
+
 /** A call of a function of the tools. */
 export type Task =
-  | { readonly call: 'prepare'; readonly bytes: Uint8Array; readonly name: string; readonly options: string }
-  | {
-      readonly call: 'convert';
-      readonly bytes: Uint8Array;
-      readonly name: string;
-      readonly to: string;
-      readonly options: string;
-    }
-  | {
-      readonly call: 'addClips';
-      readonly bytes: Uint8Array;
-      readonly name: string;
-      readonly motion: Uint8Array;
-      readonly motionName: string;
-      readonly options: string;
-    }
-  | { readonly call: 'flatten'; readonly bytes: Uint8Array; readonly name: string; readonly options: string };
+  | FileTask<'prepare'>
+  | FileTask<'flatten'>
+  | FileTask<'inspect'>
+  | FileTask<'package'>
+  | (FileTask<'convert'> & { readonly to: string })
+  | (FileTask<'addClips'> & { readonly motion: Uint8Array; readonly motionName: string });
+
+/** What a task returns. */
+export type TaskResult<Call extends Task['call']> = Call extends 'inspect'
+  ? string
+  : Call extends 'package'
+    ? PackagedBytes[]
+    : Uint8Array;
 
 /** What the page sends to a worker. */
 export interface Request {
@@ -38,6 +48,6 @@ export interface Request {
 /** What a worker sends to the page: progress, and one result or fault at the end. */
 export type Reply =
   | { readonly progress: Progress }
-  | { readonly result: Uint8Array }
+  | { readonly result: TaskResult<Task['call']> }
   | { readonly fault: ArticulaFault }
   | { readonly failure: string };

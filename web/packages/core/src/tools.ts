@@ -1,5 +1,5 @@
 import { ArticulaError } from './error.js';
-import type { Progress, Reply, Request, Task } from './messages.js';
+import type { PackagedBytes, Progress, Reply, Request, Task, TaskResult } from './messages.js';
 
 /** How a task in a worker is watched and ended. */
 export interface TaskOptions {
@@ -8,13 +8,52 @@ export interface TaskOptions {
   readonly signal?: AbortSignal | undefined;
 }
 
+/** Options of {@link Tools.prepare}. */
+export interface PrepareOptions extends TaskOptions {
+  /** Meshes of less detail, with the finest; none are made if left out. */
+  readonly meshLevels?: number | undefined;
+}
+
+/** Options of {@link Tools.convert}. */
+export interface ConvertOptions extends TaskOptions {
+  /** The one clip to keep. */
+  readonly clip?: string | undefined;
+}
+
+/** Options of {@link Tools.addClips}. */
+export interface AddClipsOptions extends TaskOptions {
+  /** The one clip of the motion to add. */
+  readonly clip?: string | undefined;
+  /** Whether the character keeps the clips that it has. */
+  readonly keepOwn?: boolean | undefined;
+  /** What the names of added clips begin with. */
+  readonly prefix?: string | undefined;
+}
+
+/** Options of {@link Tools.flatten}. */
+export interface FlattenOptions extends TaskOptions {
+  /** An animated SVG, a JavaScript module or a Lottie file. */
+  readonly form: 'svg' | 'player' | 'lottie';
+  readonly clip?: string | undefined;
+  readonly yawDeg?: number | undefined;
+  readonly triangles?: number | undefined;
+  readonly maxBytes?: number | undefined;
+}
+
+/** Options of {@link Tools.package}. */
+export interface PackageOptions extends TaskOptions {
+  readonly meshLevels?: number | undefined;
+  readonly clips?: readonly string[] | undefined;
+  readonly flat?: boolean | undefined;
+}
+
 /** Where the worker and its module are; found beside this script if left out. */
 export interface ToolsSource {
   readonly worker?: (() => Worker) | undefined;
   readonly wasm?: string | URL | undefined;
 }
 
-/** Functions that take seconds. Each call runs in a worker of its own. */
+/** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
   readonly #source: ToolsSource;
 
@@ -23,18 +62,13 @@ export class Tools {
   }
 
   /** Returns the file with all tables that playing it needs: it then opens at once. */
-  prepare(
-    bytes: Uint8Array,
-    name: string,
-    options: { readonly meshLevels?: number } & TaskOptions = {},
-  ): Promise<Uint8Array> {
-    const { meshLevels } = options;
-    return this.#run({ call: 'prepare', bytes, name, options: JSON.stringify({ meshLevels }) }, options);
+  prepare(bytes: Uint8Array, name: string, options: PrepareOptions = {}): Promise<Uint8Array> {
+    return this.#run({ call: 'prepare', bytes, name, ...split(options) });
   }
 
   /** Returns a character or motion as a file with the extension `to`. */
-  convert(bytes: Uint8Array, name: string, to: string, options: TaskOptions = {}): Promise<Uint8Array> {
-    return this.#run({ call: 'convert', bytes, name, to, options: '{}' }, options);
+  convert(bytes: Uint8Array, name: string, to: string, options: ConvertOptions = {}): Promise<Uint8Array> {
+    return this.#run({ call: 'convert', bytes, name, to, ...split(options) });
   }
 
   /** Returns the character with the clips of a motion file, retargeted. */
@@ -43,50 +77,60 @@ export class Tools {
     name: string,
     motion: Uint8Array,
     motionName: string,
-    options: TaskOptions = {},
+    options: AddClipsOptions = {},
   ): Promise<Uint8Array> {
-    return this.#run({ call: 'addClips', bytes, name, motion, motionName, options: '{}' }, options);
+    return this.#run({ call: 'addClips', bytes, name, motion, motionName, ...split(options) });
   }
 
-  /** Returns the character as a movie or picture of 2D shapes. */
-  flatten(bytes: Uint8Array, name: string, options: FlattenOptions & TaskOptions): Promise<Uint8Array> {
-    const { onProgress: _progress, signal: _signal, ...flatten } = options;
-    return this.#run({ call: 'flatten', bytes, name, options: JSON.stringify(flatten) }, options);
+  /** Returns a clip as a moving picture of 2D shapes. */
+  flatten(bytes: Uint8Array, name: string, options: FlattenOptions): Promise<Uint8Array> {
+    return this.#run({ call: 'flatten', bytes, name, ...split(options) });
   }
 
-  #run(task: Task, { onProgress, signal }: TaskOptions): Promise<Uint8Array> {
+  /** Returns what is in a file: joints, clips, meshes, face, warnings. */
+  async inspect(bytes: Uint8Array, name: string, options: TaskOptions = {}): Promise<unknown> {
+    return JSON.parse(await this.#run({ call: 'inspect', bytes, name, ...split(options) }));
+  }
+
+  /** Returns the files of a digital item, from which a server sends parts. */
+  package(bytes: Uint8Array, name: string, options: PackageOptions = {}): Promise<PackagedBytes[]> {
+    return this.#run({ call: 'package', bytes, name, ...split(options) });
+  }
+
+  #run<T extends Task>({ watch, ...rest }: T & { watch: TaskOptions }): Promise<TaskResult<T['call']>> {
+    const task = rest as unknown as Task;
+    const { onProgress, signal } = watch;
     const cancelled = (): ArticulaError =>
       new ArticulaError({ code: 'cancelled', message: `${task.name}: cancelled`, file: task.name });
     if (signal?.aborted) {
       return Promise.reject(cancelled());
     }
     const worker = this.#source.worker?.() ?? new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
-    return new Promise<Uint8Array>((resolve, reject) => {
-      const abort = (): void => reject(cancelled());
-      signal?.addEventListener('abort', abort, { once: true });
+    const abort = new AbortController();
+    return new Promise<TaskResult<T['call']>>((resolve, reject) => {
+      signal?.addEventListener('abort', () => reject(cancelled()), { signal: abort.signal });
       worker.onmessage = ({ data }: MessageEvent<Reply>) => {
         if ('progress' in data) {
           onProgress?.(data.progress);
         } else if ('result' in data) {
-          resolve(data.result);
+          resolve(data.result as TaskResult<T['call']>);
         } else if ('fault' in data) {
           reject(new ArticulaError(data.fault));
         } else {
           reject(new Error(data.failure));
         }
       };
-      worker.onerror = (event) => reject(new Error(`the worker failed: ${event.message || 'its script was not found'}`));
+      worker.onerror = ({ message }) => reject(new Error(`the worker failed: ${message || 'its script is not there'}`));
       const request: Request = { task, wasm: this.#source.wasm?.toString() };
       worker.postMessage(request);
-    }).finally(() => worker.terminate());
+    }).finally(() => {
+      abort.abort();
+      worker.terminate();
+    });
   }
 }
 
-/** What {@link Tools.flatten} makes. */
-export interface FlattenOptions {
-  readonly form: 'svg' | 'player' | 'lottie';
-  readonly clip?: string;
-  readonly yawDeg?: number;
-  readonly triangles?: number;
-  readonly maxBytes?: number;
+/** Returns options as JSON, and how the task is watched. */
+function split({ onProgress, signal, ...options }: TaskOptions): { options: string; watch: TaskOptions } {
+  return { options: JSON.stringify(options), watch: { onProgress, signal } };
 }

@@ -67,11 +67,7 @@ export class ArticulaLoader extends Loader<ArticulaAsset, AssetSource> {
       return ArticulaAsset.open(articula, file, name);
     }
     const { signal, onPrepare, meshLevels } = this;
-    const prepared = await articula.tools.prepare(file, name, {
-      signal,
-      onProgress: onPrepare,
-      ...(meshLevels === undefined ? {} : { meshLevels }),
-    });
+    const prepared = await articula.tools.prepare(file, name, { signal, onProgress: onPrepare, meshLevels });
     return ArticulaAsset.open(articula, prepared, name);
   }
 
