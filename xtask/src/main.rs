@@ -27,6 +27,8 @@ mod test_compiler;
 mod test_programs;
 mod tidy;
 mod wasm;
+mod wasm_build;
+mod web;
 mod workspace;
 
 use std::process::ExitCode;
@@ -43,6 +45,7 @@ Chores:
   golden   Rewrite the golden files, then list those that changed
   fuzz     Run the fuzz targets and renew their table (docs/results/fuzz.md)
   mutants  Count the changes of the code that no test notices (docs/results/mutants.md)
+  web      Build the modules for web pages into web/packages/core/wasm and print their sizes
   pictures Rebuild the animated picture of the readme (docs/pictures/walk.svg)
 
 Options:
@@ -62,6 +65,9 @@ Fuzzing: cargo xtask fuzz [--minutes M] [TARGET…]
 Mutants: cargo xtask mutants [--module M]… [--sample N] [--seed S]
   Runs N random mutants (default 80) of each module, such as articula_core::crowd (all of the page
   without a name), with cargo-mutants in a copy of the tree. The seed (default 1) draws the sample.
+
+Modules for web pages: cargo xtask web [--dev | --write]
+  --dev builds them as the tests do, in less time and larger. --write renews docs/results/web-sizes.md.
 
 Environment:
   CHROMIUM                  The browser's program (else chromium, chromium-browser, google-chrome)
@@ -86,6 +92,10 @@ fn main() -> ExitCode {
         ["pictures"] => pictures::pictures(),
         ["fuzz", ref rest @ ..] => match fuzz::FuzzOptions::parse(rest) {
             Some(options) => fuzz::fuzz(&options),
+            None => return usage(),
+        },
+        ["web", ref rest @ ..] => match web::WebOptions::parse(rest) {
+            Some(options) => web::web(&options),
             None => return usage(),
         },
         ["mutants", ref rest @ ..] => match mutants::MutantOptions::parse(rest) {

@@ -14,7 +14,7 @@ pub(crate) const PLAYBACK: &str = "articula-playback-hash";
 pub(crate) const LIBRARY: &str = "articula-library-hash";
 
 /// Lines of [`LIBRARY`] when no step fails.
-const LIBRARY_STEPS: usize = 8;
+const LIBRARY_STEPS: usize = 10;
 
 /// Returns whether the compiler in use has the standard library of a target.
 pub(crate) fn installed(target: &str) -> bool {
@@ -45,16 +45,16 @@ pub(crate) fn compare_playback(place: &str, found: &str) -> Result<()> {
 }
 
 /// Compares the steps of the library on this machine with those found at a `place`: a line for each, its
-/// name and its hash.
-pub(crate) fn compare_library(place: &str, found: &str) -> Result<()> {
-    let native = output(&mut Command::new(target().join("debug").join(LIBRARY)))?;
+/// name and its hash. Returns these lines, and writes the asset that was prepared to a file.
+pub(crate) fn compare_library(place: &str, found: &str, prepared: &Path) -> Result<String> {
+    let native = output(Command::new(target().join("debug").join(LIBRARY)).arg(prepared))?;
     let faults = differences(&native, found);
     ensure!(
         faults.is_empty() && native.lines().count() == LIBRARY_STEPS,
         "on this machine, and {place}:\n{}",
-        if faults.is_empty() { native } else { faults }
+        if faults.is_empty() { &native } else { &faults }
     );
-    Ok(())
+    Ok(native)
 }
 
 /// Lines that two runs do not share.

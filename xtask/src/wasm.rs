@@ -6,14 +6,11 @@
 use crate::outcome::{Outcome, lacking};
 use crate::platform::{self, LIBRARY, PLAYBACK};
 use crate::processes::{answer, output, run};
-use crate::workspace::cargo;
+use crate::wasm_build::{TARGET, WHOLE, build_dev};
+use crate::web;
+use crate::workspace::{cargo, target};
 use anyhow::Result;
 use std::process::Command;
-
-const TARGET: &str = "wasm32-unknown-unknown";
-
-/// Flags of the compiler for modules with vector instructions.
-const SIMD: &str = "-C target-feature=+simd128";
 
 /// Flags of the compiler for the checks, in which code that a set of features leaves unused is an error.
 const CHECKED: &str = "-C target-feature=+simd128 -D warnings";
@@ -30,7 +27,7 @@ const LIBRARIES: &[&str] = &[
 
 /// Features with which the library is checked: none, for pages that only play, and each of its features alone;
 /// `item` needs all others.
-const FEATURES: &[&str] = &["", "prepare", "flat", "streams", "fbx"];
+const FEATURES: &[&str] = &["", "prepare", "flat", "streams", "fbx", "formats"];
 
 /// Checks the libraries for WebAssembly, after installing the target.
 pub(crate) fn check() -> Result<Outcome> {
@@ -58,16 +55,6 @@ pub(crate) fn check() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Crates whose calculations take most of the time of the steps: optimised a little, the module is built and
-/// has run in less time.
-const HEAVY: &[&str] = &[
-    "articula-build",
-    "articula-core",
-    "articula-flat",
-    "articula-stream",
-    "glam",
-];
-
 /// Calls the exported function of a module, given as the first argument, in node.
 const CALL: &str = "
 const bytes = require('fs').readFileSync(process.argv[1]);
@@ -89,7 +76,8 @@ WebAssembly.instantiate(bytes).then(({ instance }) => {
 
 /// Compares the hash of a playback on this machine with that of the same program in node. The
 /// module has SIMD instructions: glam adds in another order without them. So too each step of the
-/// library: what it opens, prepares, plays, flattens, packages and adapts.
+/// library: what it opens, prepares, plays, flattens, packages and adapts. Then tests the modules for web pages,
+/// whose figures and crowds have the same hashes.
 pub(crate) fn playback() -> Result<Outcome> {
     if answer("node", &["--version"]).is_none() {
         return lacking("playback in node (node not found)".to_owned());
@@ -97,19 +85,14 @@ pub(crate) fn playback() -> Result<Outcome> {
     if !platform::installed(TARGET) {
         return lacking("playback in node (wasm32 target not installed)".to_owned());
     }
-    let optimised = HEAVY.iter().flat_map(|name| {
-        let setting = format!("profile.dev.package.{name}.opt-level=1");
-        ["--config".to_owned(), setting]
-    });
-    run(cargo()
-        .args(["build", "--quiet", "-p", PLAYBACK, "--target", TARGET])
-        .args(optimised)
-        .env("RUSTFLAGS", SIMD))?;
+    build_dev(WHOLE)?;
     let said = |script: &str, name: &str| {
         let module = platform::built(TARGET).join(format!("{name}.wasm"));
         output(Command::new("node").args(["-e", script]).arg(module))
     };
     platform::compare_playback("in node", &said(CALL, PLAYBACK)?)?;
-    platform::compare_library("in node", &said(SAY, LIBRARY)?)?;
+    let prepared = target().join("xtask/prepared.glb");
+    let steps = platform::compare_library("in node", &said(SAY, LIBRARY)?, &prepared)?;
+    web::test(&steps, &prepared)?;
     Ok(Outcome::Done)
 }

@@ -58,6 +58,10 @@ pub struct Scratch {
     halves: Vec<[u16; 4]>,
 }
 
+/// Whether batches of sixteen are compiled: no other processor has vectors for them, and modules for web pages are
+/// smaller without.
+const HAS_WIDE: bool = cfg!(target_arch = "x86_64");
+
 /// Evaluator of batches: one clip set, one palette map and format, one backend.
 #[derive(Debug, Clone, Copy)]
 pub struct BatchEvaluator<'a> {
@@ -115,9 +119,9 @@ impl<'a> BatchEvaluator<'a> {
         }
     }
 
-    /// Greatest number of characters of one batch: 16 on [`Backend::Avx512`], else 8.
+    /// Greatest number of characters of one batch: 16 on [`Backend::Avx512`] of x86-64 processors, else 8.
     pub fn lanes(&self) -> usize {
-        if self.backend == Backend::Avx512 {
+        if HAS_WIDE && self.backend == Backend::Avx512 {
             WIDE
         } else {
             LANES
@@ -174,14 +178,13 @@ impl<'a> BatchEvaluator<'a> {
             floats,
             halves,
         } = scratch;
-        let mut run = |out: Out<'_>| match lanes {
-            LANES => {
-                let poses = Poses::new(shown);
-                dispatch(self.backend, self.batch(level, &poses, out, joints));
-            }
-            _ => {
+        let mut run = |out: Out<'_>| {
+            if HAS_WIDE && lanes == WIDE {
                 let poses = Poses::new(shown);
                 dispatch_wide(self.backend, self.batch(level, &poses, out, wide));
+            } else {
+                let poses = Poses::new(shown);
+                dispatch(self.backend, self.batch(level, &poses, out, joints));
             }
         };
         let whole = shown.len() == lanes;
@@ -216,14 +219,15 @@ impl<'a> BatchEvaluator<'a> {
     ) -> JointTiles<'s> {
         let kept = self.clips.joint_lods().joint_count(level);
         let Scratch { joints, wide, .. } = scratch;
-        if self.check(shown) == LANES {
-            let poses = Poses::new(shown);
-            dispatch(self.backend, self.batch(level, &poses, Out::Tile, joints));
-            JointTiles(Tiles::Eight(&joints[..kept]))
-        } else {
+        let lanes = self.check(shown);
+        if HAS_WIDE && lanes == WIDE {
             let poses = Poses::new(shown);
             dispatch_wide(self.backend, self.batch(level, &poses, Out::Tile, wide));
             JointTiles(Tiles::Sixteen(&wide[..kept]))
+        } else {
+            let poses = Poses::new(shown);
+            dispatch(self.backend, self.batch(level, &poses, Out::Tile, joints));
+            JointTiles(Tiles::Eight(&joints[..kept]))
         }
     }
 

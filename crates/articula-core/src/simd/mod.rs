@@ -239,7 +239,8 @@ pub(crate) trait WideKernel {
     fn run<R: Rows<WIDE>>(self);
 }
 
-/// Runs a kernel on a backend, or on plain arrays where this machine lacks it.
+/// Runs a kernel on a backend, or on plain arrays where this machine lacks it. WebAssembly with vectors has no plain
+/// arrays, which would be a seventh of a module that plays.
 pub(crate) fn dispatch<K: Kernel>(backend: Backend, kernel: K) {
     match backend {
         #[cfg(target_arch = "x86_64")]
@@ -247,9 +248,10 @@ pub(crate) fn dispatch<K: Kernel>(backend: Backend, kernel: K) {
         #[cfg(target_arch = "x86_64")]
         Backend::Sse2 => x86::run_sse2(kernel),
         #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        Backend::Simd128 => wasm::run(kernel),
+        _ => wasm::run(kernel),
         #[cfg(target_arch = "aarch64")]
         Backend::Neon => neon::run(kernel),
+        #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
         _ => kernel.run::<scalar::Plain>(),
     }
 }

@@ -3,11 +3,13 @@
 
 use crate::fnv::Fnv;
 use articula::build::clip_edit::trim;
-use articula::core::Mismatch;
-use articula::crowd::{CrowdAsset, CrowdOptions, CrowdPlayer, PaletteHash};
+use articula::core::{Mismatch, palette};
+use articula::crowd::{
+    CrowdAsset, CrowdOptions, CrowdPlayer, PaletteHash, RootMotionPolicy, figure_model,
+};
 use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
-use articula::glam::Vec3;
+use articula::glam::{Affine3A, Mat4, Vec3};
 use articula::item::{AdaptOptions, AdaptedItem, Item, PackageOptions, adapt, decide, package};
 use articula::playback::{FigureModel, FigurePlayer, FigureSkin, FigureViews, FullDetail};
 use articula::stream::description::Context;
@@ -28,8 +30,8 @@ const FRAMES: usize = 12;
 
 type Found<T> = Result<T, Box<dyn Error>>;
 
-/// Takes the steps in order and tells the name and the hash of each.
-pub(crate) fn take(tell: &mut dyn FnMut(&str, u64)) -> Found<()> {
+/// Takes the steps in order and tells the name and the hash of each; returns the prepared asset.
+pub(crate) fn take(tell: &mut dyn FnMut(&str, u64)) -> Found<Vec<u8>> {
     let work = Executor::default();
     let opened = cut(opened(FILE, "knight.glb")?)?;
     tell("open", asset(&Figure::new(opened.clone())?));
@@ -42,12 +44,15 @@ pub(crate) fn take(tell: &mut dyn FnMut(&str, u64)) -> Found<()> {
     let figure = Figure::new(opened_whole(&prepared, &opened)?)?;
     tell("open prepared", asset(&figure));
     tell("figure", play(&figure)?);
-    tell("crowd", crowd(&figure, &work)?);
+    tell("palettes of the figure", figure_palettes(&figure)?);
+    let (crowd, palettes) = crowd(&figure, &work)?;
+    tell("crowd", crowd);
+    tell("palettes of the crowd", palettes);
     tell("flatten", flat(&figure, &work)?);
     let item = packaged(opened, &work)?;
     tell("package", of_item(&item));
     tell("adapt", of_item(&adapted(&item)?));
-    Ok(())
+    Ok(prepared)
 }
 
 fn opened(bytes: &[u8], name: &str) -> Found<CharacterFile> {
@@ -121,7 +126,29 @@ fn play(figure: &Figure) -> Result<u64, Mismatch> {
     Ok(sum.finish())
 }
 
-fn crowd(figure: &Figure, work: &Executor<'_>) -> Found<u64> {
+/// Palettes as a renderer reads them, three rows of four numbers a matrix: what modules for web pages show too.
+fn figure_palettes(figure: &Figure) -> Found<u64> {
+    let mesh = &figure.asset.mesh;
+    let model = figure_model(figure, RootMotionPolicy::AsAuthored)?;
+    let mut player = FigurePlayer::new(model, &mesh.morph_weights);
+    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+    let mut sum = Fnv::default();
+    let camera = Camera::looking_at(4.0 * Vec3::Z, Vec3::Y, Viewport::default());
+    for _ in 0..FRAMES {
+        player.advance(1.0 / 60.0, &mut |_| {});
+        player.control(&mut FullDetail::default(), FigureViews::Cameras(&[camera]));
+        player.hierarchy();
+        palette(mesh, player.model_pose(), &mut matrices);
+        for matrix in &matrices {
+            let rows = Mat4::from(*matrix).transpose().to_cols_array();
+            sum.floats(&rows[..12]);
+        }
+    }
+    Ok(sum.finish())
+}
+
+/// Hashes of the frames of a crowd, and of the palettes and draws that a renderer reads of them.
+fn crowd(figure: &Figure, work: &Executor<'_>) -> Found<(u64, u64)> {
     let asset = CrowdAsset::new(figure, &CrowdOptions::default(), work)?;
     if let Some(warning) = asset.warnings().first() {
         return Err(format!("the crowd: {warning}").into());
@@ -134,12 +161,23 @@ fn crowd(figure: &Figure, work: &Executor<'_>) -> Found<u64> {
     }
     let eye = Vec3::new(6.0, 1.7, -6.0);
     let camera = Camera::looking_at(eye, eye + Vec3::Z, Viewport::default());
-    let mut sum = PaletteHash::default();
+    let (mut sum, mut read) = (PaletteHash::default(), Fnv::default());
     for _ in 0..FRAMES {
         crowd.frame(1.0 / 60.0, &camera);
         sum.add(&crowd);
+        read.bytes(crowd.palettes().bytes());
+        for draw in crowd
+            .crowd()
+            .draw_list()
+            .draws
+            .iter()
+            .chain(crowd.stepped())
+        {
+            read.bytes(&draw.character.to_le_bytes());
+            read.bytes(&draw.first_matrix.to_le_bytes());
+        }
     }
-    Ok(u64::from_str_radix(&sum.text(), 16)?)
+    Ok((u64::from_str_radix(&sum.text(), 16)?, read.finish()))
 }
 
 fn flat(figure: &Figure, work: &Executor<'_>) -> Found<u64> {

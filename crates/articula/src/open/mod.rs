@@ -177,7 +177,7 @@ impl Input<'_, '_> {
 
 impl CharacterFile {
     /// Converts the lengths of a file whose reader takes them for metres.
-    #[cfg(feature = "formats")]
+    #[cfg(any(feature = "formats", feature = "streams"))]
     fn scale_lengths(&mut self, unit_metres: Option<f32>) {
         let Some(factor) = unit_metres else {
             return;
