@@ -7,6 +7,7 @@
     reason = "a program for the project's own developers: it prints, reads files and measures time"
 )]
 
+mod bench_web;
 mod changed;
 mod chores;
 mod cut_alone;
@@ -46,6 +47,7 @@ Chores:
   fuzz     Run the fuzz targets and renew their table (docs/results/fuzz.md)
   mutants  Count the changes of the code that no test notices (docs/results/mutants.md)
   web      Build the modules for web pages into web/packages/core/wasm and print their sizes
+  bench-web  Time crowds in Chromium beside what else shows many characters in three.js
   pictures Rebuild the animated picture of the readme (docs/pictures/walk.svg)
 
 Options:
@@ -68,6 +70,10 @@ Mutants: cargo xtask mutants [--module M]… [--sample N] [--seed S]
 
 Modules for web pages: cargo xtask web [--dev | --write]
   --dev builds them as the tests do, in less time and larger. --write renews docs/results/web-sizes.md.
+
+Crowds in a page: cargo xtask bench-web [--write] [FILE…]
+  Builds all that is needed, prepares the files (two of assets/glb without a name) and measures them.
+  --write renews docs/results/web.md. Needs npm, and a registry for what web/package.json names.
 
 Environment:
   CHROMIUM                  The browser's program (else chromium, chromium-browser, google-chrome)
@@ -96,6 +102,10 @@ fn main() -> ExitCode {
         },
         ["web", ref rest @ ..] => match web::WebOptions::parse(rest) {
             Some(options) => web::web(&options),
+            None => return usage(),
+        },
+        ["bench-web", ref rest @ ..] => match bench_web::BenchOptions::parse(rest) {
+            Some(options) => bench_web::bench(&options),
             None => return usage(),
         },
         ["mutants", ref rest @ ..] => match mutants::MutantOptions::parse(rest) {

@@ -10,8 +10,8 @@ export const KINDS = {
   '1 px, blended by the GPU': (crowd) => crowd.setPoseCache('gpu').setTolerance(1),
 };
 
-export function makeCrowd(asset, clip, count, kind, rootMotion) {
-  const crowd = new ArticulaCrowd(asset, count, { clips: [clip], rootMotion });
+export function makeCrowd(asset, clip, count, kind, rootMotion, poseCache = true) {
+  const crowd = new ArticulaCrowd(asset, count, { clips: [clip], rootMotion, poseCache });
   KINDS[kind](crowd);
   for (let i = 0; i < count; i += 1) {
     const { x, z, secs } = character(i, count);
