@@ -1,23 +1,23 @@
 // What the tests call in the page.
+import * as behaviour from './behaviour.js';
+import { compareDetail } from './detail.js';
 import { madeCharacter } from './made.js';
+import { comparePositions } from './numbers.js';
 import { comparePictures } from './pictures.js';
 import { makeRenderer } from './stage.js';
 
-const renderers = new Map();
-
-async function rendererOf(kind) {
-  if (!renderers.has(kind)) {
-    renderers.set(kind, await makeRenderer(kind));
-  }
-  return renderers.get(kind);
-}
-
 window.tests = {
-  async pictures(kind, url, clip) {
-    return comparePictures(await rendererOf(kind), kind, url, clip);
-  },
+  positions: comparePositions,
+  socketDistance: behaviour.socketDistance,
+  hits: behaviour.hits,
+  hostile: behaviour.hostile,
+  preparing: behaviour.preparing,
+  disposals: async (kind, times) => behaviour.disposals(await makeRenderer(kind), times),
+  contextLoss: async (kind) => behaviour.contextLoss(await makeRenderer(kind)),
+  detail: async (kind, url, clip, cache) => compareDetail(await makeRenderer(kind), kind, url, clip, cache),
+  pictures: async (kind, url, clip) => comparePictures(await makeRenderer(kind), kind, url, clip),
   async made(kind) {
     const url = URL.createObjectURL(new Blob([await madeCharacter()]));
-    return comparePictures(await rendererOf(kind), kind, url, 'wave');
+    return comparePictures(await makeRenderer(kind), kind, url, 'wave');
   },
 };

@@ -1,0 +1,78 @@
+// What figures, crowds and the loader do beside being drawn.
+
+const unless = (right, fault) => (right ? [] : [fault]);
+const KNIGHT = '/assets/glb/Quaternius_single_knight_pack__KnightCharacter.glb';
+
+/** Pixels of a crowd by a tolerance of one pixel that may differ from all joints, in percent. */
+const MOST_LEFT_OUT = 3;
+
+const detail = (kind, cache, list) => ({
+  name: `detail ${kind} ${cache}`,
+  call: ['detail', [kind, KNIGHT, 'HumanArmature|Walking', cache]],
+  async check({ percent, png, shown, drawn, levels }, save) {
+    await save('crowd', png);
+    console.log(`        ${percent.toFixed(2)} % differ, ${shown.toFixed(1)} % show it, drawn`, drawn, 'levels', levels);
+    return [
+      ...unless(percent < MOST_LEFT_OUT, `${percent.toFixed(2)} % of the pixels differ`),
+      ...unless(shown > 5, 'nothing is shown'),
+      ...unless(drawn[list] > 0, `there are no ${list}`),
+    ];
+  },
+});
+
+export const BEHAVIOUR = [
+  ...['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) => [
+    detail(kind, 'cpu', 'stepped'),
+    detail(kind, 'gpu', 'records'),
+  ]),
+  {
+    name: 'an object in a socket follows the joint',
+    call: ['socketDistance', ['RightHand']],
+    check: (metres) => unless(metres < 1e-4, `the object is ${metres} m off`),
+  },
+  {
+    name: 'rays hit the characters where they stand',
+    call: ['hits', []],
+    check: ({ found, missed, onFigure }) => [
+      ...found.flatMap((hit, i) => unless(hit?.character === i && hit.off < 2, `at ${i} hit ${JSON.stringify(hit)}`)),
+      ...unless(missed, 'a ray beside them hits'),
+      ...unless(Math.abs(onFigure) < 0.5, `the ray hits the figure at ${onFigure}`),
+    ],
+  },
+  {
+    name: 'files that are none throw errors with their names',
+    call: ['hostile', []],
+    check: ({ errors, clips, clip }) => [
+      ...errors.flatMap((error) => unless(error.own && error.code && error.file === 'bad.glb', JSON.stringify(error))),
+      ...unless(clips.includes('wave'), `the next file has the clips ${clips}`),
+      ...unless(clip.includes('no clip "no such"'), `an unknown clip says: ${clip}`),
+    ],
+  },
+  {
+    name: 'disposals release all memory',
+    call: ['disposals', ['webgl', 40]],
+    check: ({ half, last }) =>
+      unless(JSON.stringify(half) === JSON.stringify(last), `${JSON.stringify(half)}, then ${JSON.stringify(last)}`),
+  },
+  {
+    name: 'a lost context comes back',
+    call: ['contextLoss', ['webgl']],
+    async check({ percent, png, colors }, save) {
+      await save('crowd', png);
+      return [
+        ...unless(percent === 0, `${percent} % of the pixels differ`),
+        ...unless(colors === 4, `the crowd shows ${colors} of 4 colours`),
+      ];
+    },
+  },
+  {
+    name: 'a worker prepares, and can be ended',
+    call: ['preparing', []],
+    check: ({ cancelled, steps, prepared, warnings, clips }) => [
+      ...unless(cancelled === 'cancelled', `ending it gives ${cancelled}`),
+      ...unless(steps > 1, `${steps} steps are told`),
+      ...unless(prepared && warnings.length === 0, `prepared: ${prepared}; ${warnings}`),
+      ...unless(clips.includes('walk'), `clips: ${clips}`),
+    ],
+  },
+];

@@ -1,0 +1,171 @@
+// What figures, crowds and the loader do beside being drawn.
+import { ArticulaCrowd, ArticulaError, ArticulaFigure, ArticulaLoader } from '@articula/three';
+import { Articula } from '@articula/core';
+import * as THREE from 'three';
+
+import { madeCharacter } from './made.js';
+import { compare, draw, makeStage } from './stage.js';
+import { theirs } from './theirs.js';
+
+const PAB = '/assets/glb/pab_arnaud.glb';
+
+async function opened(source) {
+  const loader = new ArticulaLoader();
+  loader.prepare = false;
+  return loader.loadAsync(source);
+}
+
+/** How far a socket is from three.js's bone, in metres, for a figure that was moved and turned. */
+export async function socketDistance(joint) {
+  const [asset, makeTheirs] = await Promise.all([opened(PAB), theirs(PAB)]);
+  const figure = new ArticulaFigure(asset);
+  const held = new THREE.Object3D();
+  held.position.set(0.1, 0.2, 0.3);
+  figure.socket(joint).add(held);
+  figure.position.set(3, 1, -2);
+  figure.rotation.y = 1;
+  figure.play('walk', 0.3).update(0.2);
+  const their = makeTheirs('walk', 0.5);
+  their.position.copy(figure.position);
+  their.rotation.copy(figure.rotation);
+  const expected = new THREE.Object3D();
+  expected.position.copy(held.position);
+  their.getObjectByName(joint).add(expected);
+  const [a, b] = [held, expected].map((object) => object.getWorldPosition(new THREE.Vector3()));
+  figure.dispose();
+  asset.dispose();
+  return a.distanceTo(b);
+}
+
+/** Which characters rays hit that are cast at the place of each, in a crowd that was moved; and at nobody. */
+export async function hits() {
+  const asset = await opened(PAB);
+  const crowd = new ArticulaCrowd(asset, 5, { clips: ['walk'] });
+  crowd.position.set(10, 0, 3);
+  crowd.rotation.y = 0.7;
+  crowd.scale.setScalar(2);
+  for (let i = 0; i < crowd.count; i += 1) {
+    crowd.place(i, 2 * i, 0, 0);
+  }
+  crowd.updateMatrixWorld(true);
+  crowd.update(0, new THREE.PerspectiveCamera(), { width: 100, height: 100 });
+  const cast = (x) => {
+    const target = crowd.localToWorld(new THREE.Vector3(x, 1, 0));
+    const origin = crowd.localToWorld(new THREE.Vector3(x, 1, 30));
+    const hit = new THREE.Raycaster(origin, target.clone().sub(origin).normalize()).intersectObject(crowd)[0];
+    return hit && { character: hit.instanceId, off: Math.abs(hit.point.distanceTo(target)) };
+  };
+  const found = [0, 1, 2, 3, 4].map((i) => cast(2 * i));
+  const missed = cast(-9) === undefined;
+  const figure = new ArticulaFigure(asset);
+  figure.position.x = 40;
+  figure.updateMatrixWorld(true);
+  const ray = new THREE.Raycaster(new THREE.Vector3(40, 1.2, 10), new THREE.Vector3(0, 0, -1));
+  const onFigure = ray.intersectObject(figure)[0]?.point.z;
+  crowd.dispose();
+  figure.dispose();
+  asset.dispose();
+  return { found, missed, onFigure };
+}
+
+/** The errors of files that are none, and whether another opens after them. */
+export async function hostile() {
+  const errors = [];
+  const truncated = (await (await fetch(PAB)).arrayBuffer()).slice(0, 5000);
+  for (const bytes of [new Uint8Array(0), new Uint8Array(1000).fill(7), new Uint8Array(truncated)]) {
+    const error = await opened(new File([bytes], 'bad.glb')).catch((reason) => reason);
+    errors.push({ own: error instanceof ArticulaError, code: error.code, file: error.file, message: error.message });
+  }
+  const asset = await opened(new Blob([await madeCharacter()]));
+  const { clips } = asset;
+  const clip = await Promise.resolve()
+    .then(() => new ArticulaFigure(asset).play('no such'))
+    .catch((reason) => reason.message);
+  asset.dispose();
+  return { errors, clips, clip };
+}
+
+/** Bytes of the module and objects of the renderer after loads and disposals, of the first and the last half. */
+export async function disposals(renderer, times) {
+  const file = await madeCharacter();
+  const { memory } = await Articula.load();
+  const { scene, camera } = makeStage(1, 2);
+  const sizes = [];
+  for (let i = 0; i < times; i += 1) {
+    const asset = await opened(new Blob([file]));
+    const figure = new ArticulaFigure(asset);
+    const crowd = new ArticulaCrowd(asset, 4);
+    crowd.update(0.1, camera, renderer);
+    scene.add(figure, crowd);
+    draw(renderer, scene, camera);
+    figure.dispose();
+    crowd.dispose();
+    asset.dispose();
+    draw(renderer, scene, camera);
+    const { geometries, textures } = renderer.info.memory;
+    sizes.push({ bytes: memory.buffer.byteLength, geometries, textures, programs: renderer.info.programs.length });
+  }
+  return { half: sizes[times / 2 - 1], last: sizes[times - 1] };
+}
+
+/** A crowd before and after the context was lost and came back. */
+export async function contextLoss(renderer) {
+  const asset = await opened(PAB);
+  const { scene, camera } = makeStage(1.8, 2);
+  const crowd = new ArticulaCrowd(asset, 4, { clips: ['walk'] });
+  const figure = new ArticulaFigure(asset);
+  for (let i = 0; i < crowd.count; i += 1) {
+    crowd.place(i, 1.5 * i - 2, 0, -1).setColorAt(i, new THREE.Color().setHSL(i / 4, 1, 0.5));
+  }
+  crowd.update(0.3, camera, renderer);
+  scene.add(crowd, figure);
+  const before = draw(renderer, scene, camera);
+  const canvas = renderer.domElement;
+  const event = (name) => new Promise((resolve) => canvas.addEventListener(name, resolve, { once: true }));
+  const lost = event('webglcontextlost');
+  renderer.forceContextLoss();
+  await lost;
+  // The context can be given back once the event was handled.
+  await new Promise((resolve) => setTimeout(resolve, 0));
+  const restored = event('webglcontextrestored');
+  renderer.forceContextRestore();
+  await restored;
+  const after = draw(renderer, scene, camera);
+  const colors = crowdColors(before);
+  crowd.dispose();
+  figure.dispose();
+  asset.dispose();
+  return { ...(await compare(before, after)), colors };
+}
+
+/** How many of four strong hues a picture has. */
+function crowdColors({ data }) {
+  const hues = new Set();
+  const color = new THREE.Color();
+  for (let at = 0; at < data.length; at += 4) {
+    const hsl = color.setRGB(data[at] / 255, data[at + 1] / 255, data[at + 2] / 255).getHSL({});
+    if (hsl.s > 0.6) {
+      hues.add(Math.round(hsl.h * 4) % 4);
+    }
+  }
+  return hues.size;
+}
+
+/** Prepares in a worker, and ends preparing. */
+export async function preparing() {
+  const file = new File([await (await fetch(PAB)).arrayBuffer()], 'pab.glb');
+  const loader = new ArticulaLoader();
+  const abort = new AbortController();
+  loader.signal = abort.signal;
+  loader.onPrepare = () => abort.abort();
+  const cancelled = await loader.loadAsync(file).catch((error) => error);
+  loader.signal = undefined;
+  let steps = 0;
+  loader.onPrepare = () => {
+    steps += 1;
+  };
+  const asset = await loader.loadAsync(file);
+  const facts = { prepared: asset.core.isPrepared, warnings: asset.warnings, clips: asset.clips };
+  asset.dispose();
+  return { cancelled: cancelled.code, steps, ...facts };
+}

@@ -1,0 +1,34 @@
+// Crowds that leave out what nobody sees, beside the same crowd with all joints.
+import { ArticulaLoader } from '@articula/three';
+
+import { compare, draw, makeStage, shown } from './stage.js';
+
+const COLUMNS = 5;
+
+/** Draws a crowd in full and by a tolerance of one pixel with cached poses, blended by `cache`. */
+export async function compareDetail(renderer, kind, url, clip, cache) {
+  const { ArticulaCrowd } = await import(kind === 'webgl' ? '@articula/three' : '@articula/three/webgpu');
+  const loader = new ArticulaLoader();
+  loader.prepare = false;
+  const asset = await loader.loadAsync(url);
+  const height = asset.bounds.max.y - asset.bounds.min.y;
+  const { scene, camera } = makeStage(height, COLUMNS);
+  const empty = draw(renderer, scene, camera);
+  const crowd = new ArticulaCrowd(asset, COLUMNS * COLUMNS, { clips: [clip], poseCache: true });
+  crowd.castShadow = crowd.receiveShadow = true;
+  for (let i = 0; i < crowd.count; i += 1) {
+    const [column, row] = [i % COLUMNS, Math.floor(i / COLUMNS)];
+    crowd.place(i, (column - 2) * 1.2 * height, 0, (row - 2) * 1.2 * height, 0.4 * i);
+    crowd.play(i, clip, 0.13 * i);
+  }
+  scene.add(crowd);
+  crowd.setFullDetail().setPoseCache('none').update(0, camera, renderer);
+  const full = draw(renderer, scene, camera);
+  crowd.setTolerance(1).setPoseCache(cache).update(0, camera, renderer);
+  const less = draw(renderer, scene, camera);
+  const drawn = { palettes: crowd.core.draws, records: crowd.core.records, stepped: crowd.core.stepped };
+  const levels = new Set(Array.from({ length: crowd.count }, (_, i) => crowd.levelOf(i)));
+  crowd.dispose();
+  asset.dispose();
+  return { ...(await compare(full, less)), shown: shown(empty, less), drawn, levels: [...levels].sort() };
+}
