@@ -172,10 +172,11 @@ fn joined(folder: &str, target: &str) -> String {
     parts.join("/")
 }
 
-/// Finds npm lock files that bind the packages to one host.
+/// Finds npm lock files that bind the packages to one host; links to folders of the repository are none.
 pub(crate) fn lock_files(tree: &Tree) -> Vec<Fault> {
+    let names_host = |line: &str| line.contains("\"resolved\"") && line.contains("://");
     tree.texts()
-        .filter(|(path, text)| path.ends_with("package-lock.json") && text.contains("\"resolved\""))
+        .filter(|(path, text)| path.ends_with("package-lock.json") && text.lines().any(names_host))
         .map(|(path, _)| {
             Fault::file(
                 path,
@@ -282,6 +283,7 @@ mod tests {
     fn lock_files_name_no_host() {
         let faults = |text: &str| lock_files(&Tree::of(&[("o/package-lock.json", text)])).len();
         assert_eq!(faults("{\"version\": 1}"), 0);
-        assert_eq!(faults("{\"resolved\": \"x\"}"), 1);
+        assert_eq!(faults("{\"resolved\": \"packages/a\"}"), 0);
+        assert_eq!(faults("{\"resolved\": \"https://x/a.tgz\"}"), 1);
     }
 }
