@@ -40,6 +40,14 @@ export const BEHAVIOUR = [
     ],
   },
   {
+    name: 'a budget raises the tolerance, and each of several cameras shows what it sees',
+    call: ['budgetAndViews', []],
+    check: ({ seen, tolerance }) => [
+      ...unless(tolerance > 1, `the tolerance is ${tolerance} px`),
+      ...unless(seen.none === 0 && seen.one > 0 && seen.both === seen.one, JSON.stringify(seen)),
+    ],
+  },
+  {
     name: 'files that are none throw errors with their names',
     call: ['hostile', []],
     check: ({ errors, clips, clip }) => [

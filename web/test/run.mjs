@@ -5,6 +5,7 @@ import { BEHAVIOUR } from './behaviour.mjs';
 import { browser } from './browser.mjs';
 import { NUMBERS } from './numbers.mjs';
 import { PICTURES } from './pictures.mjs';
+import { READMES } from './readmes.mjs';
 import { serve } from './server.mjs';
 
 const OUT = new URL('./out/', import.meta.url);
@@ -19,7 +20,7 @@ const counts = { passed: 0, failed: 0 };
 try {
   await mkdir(OUT, { recursive: true });
   const words = process.argv.slice(2);
-  for (const test of [...NUMBERS, ...BEHAVIOUR, ...PICTURES].filter(({ name }) => words.every((word) => name.includes(word)))) {
+  for (const test of [...NUMBERS, ...BEHAVIOUR, ...READMES, ...PICTURES].filter(({ name }) => words.every((word) => name.includes(word)))) {
     const faults = await run(test).catch((error) => [String(error)]);
     counts[faults.length === 0 ? 'passed' : 'failed'] += 1;
     console.log(faults.length === 0 ? `ok      ${test.name}` : `FAILED  ${test.name}: ${faults.join('; ')}`);

@@ -14,10 +14,20 @@ const TYPES = {
   '.wasm': 'application/wasm',
 };
 
-/** Starts a server; resolves to its address and a function that ends it. */
+/** Starts a server, which keeps what is put; resolves to its address and a function that ends it. */
 export function serve() {
+  const kept = new Map();
   const server = createServer(async (request, response) => {
     const path = normalize(decodeURIComponent(new URL(request.url, 'http://host').pathname));
+    if (request.method === 'PUT') {
+      kept.set(path, Buffer.concat(await request.toArray()));
+      response.writeHead(204).end();
+      return;
+    }
+    if (kept.has(path)) {
+      response.writeHead(200, { 'content-type': 'application/octet-stream' }).end(kept.get(path));
+      return;
+    }
     const file = path.startsWith(`${sep}assets${sep}`) ? join(ASSETS, path.slice(8)) : join(WEB, path);
     const found = await stat(file).catch(() => undefined);
     if (!found?.isFile()) {

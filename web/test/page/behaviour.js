@@ -68,6 +68,33 @@ export async function hits() {
   return { found, missed, onFigure };
 }
 
+/** The tolerance of a crowd that has no time, and of two cameras of which one sees it. */
+export async function budgetAndViews() {
+  const asset = await opened(PAB);
+  const crowd = new ArticulaCrowd(asset, 200, { clips: ['walk'], poseCache: false });
+  for (let i = 0; i < crowd.count; i += 1) {
+    crowd.place(i, i % 20, 0, -Math.floor(i / 20)).play(i, 'walk', 0.1 * i);
+  }
+  const [near, away] = [new THREE.PerspectiveCamera(), new THREE.PerspectiveCamera()];
+  near.position.set(10, 1, 10);
+  away.position.set(10, 1, 10);
+  away.rotation.y = Math.PI;
+  const size = { width: 800, height: 600 };
+  const seenBy = (cameras) => {
+    crowd.update(0, cameras, size);
+    return crowd.core.draws;
+  };
+  const seen = { none: seenBy(away), both: seenBy([away, near]), one: seenBy(near) };
+  crowd.setBudget(1e-4);
+  for (let frame = 0; frame < 40; frame += 1) {
+    crowd.update(1 / 60, near, size);
+  }
+  const tolerance = crowd.core.tolerancePx;
+  crowd.dispose();
+  asset.dispose();
+  return { seen, tolerance };
+}
+
 /** The errors of files that are none, and whether another opens after them. */
 export async function hostile() {
   const errors = [];

@@ -4,12 +4,16 @@ import { compareDetail } from './detail.js';
 import { madeCharacter } from './made.js';
 import { comparePositions } from './numbers.js';
 import { comparePictures } from './pictures.js';
+import { readmeLines, readmePicture } from './readmes.js';
 import { makeRenderer } from './stage.js';
 
 window.tests = {
+  readmeLines,
+  readmePicture,
   positions: comparePositions,
   socketDistance: behaviour.socketDistance,
   hits: behaviour.hits,
+  budgetAndViews: behaviour.budgetAndViews,
   hostile: behaviour.hostile,
   preparing: behaviour.preparing,
   disposals: async (kind, times) => behaviour.disposals(await makeRenderer(kind), times),

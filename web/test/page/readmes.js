@@ -1,26 +1,16 @@
 // Runs the examples of the READMEs with a made character.
-import * as THREE from 'three';
-
 import { madeCharacter } from './made.js';
 
-/** Runs code as a module of this page, with `character.glb` in place. */
+/** Runs code as a module of this page, with `character.glb` beside it. */
 async function runModule(code) {
-  const file = URL.createObjectURL(new Blob([await madeCharacter()]));
-  const script = new Blob([code.replaceAll("'character.glb')", `'${file}')`)], { type: 'text/javascript' });
-  await import(URL.createObjectURL(script));
+  await fetch('character.glb', { method: 'PUT', body: await madeCharacter() });
+  await import(URL.createObjectURL(new Blob([code], { type: 'text/javascript' })));
 }
 
 /** The picture after some frames, and how many colours it has. */
 export async function readmePicture(code) {
-  let renderer;
-  const { render } = THREE.WebGLRenderer.prototype;
-  const made = new Promise((resolve) => {
-    new MutationObserver(([{ addedNodes }]) => resolve(addedNodes[0])).observe(document.body, { childList: true });
-  });
-  void render;
-  void renderer;
   await runModule(code);
-  const canvas = await made;
+  const canvas = document.querySelector('canvas');
   const copy = new OffscreenCanvas(canvas.width, canvas.height);
   const context = copy.getContext('2d');
   for (let frame = 0; frame < 4; frame += 1) {

@@ -1,4 +1,4 @@
-import type { View } from '@articula/core';
+import { packViews, type View } from '@articula/core';
 import { type Camera, MathUtils, Matrix4, type Object3D, OrthographicCamera, PerspectiveCamera, Quaternion, Vector2, Vector3 } from 'three';
 
 /** The size of a picture in pixels, or a renderer that has one. */
@@ -15,8 +15,14 @@ const drawn = new Vector2();
 /** Field of view and distance that stand for an orthographic camera: nearly parallel rays. */
 const FLAT_FOV_RAD = 0.02;
 
+/** Returns cameras as the module takes them, in the space of `object`. */
+export function packCameras(cameras: Camera | readonly Camera[], object: Object3D, size: DrawnSize): Float32Array {
+  const seen = cameras instanceof Array ? (cameras as readonly Camera[]) : [cameras as Camera];
+  return packViews(seen.map((camera) => cameraView(camera, object, size)));
+}
+
 /** Returns a camera as a view in the space of `object`; world matrices of both are brought up to date. */
-export function cameraView(camera: Camera, object: Object3D, size: DrawnSize): View {
+function cameraView(camera: Camera, object: Object3D, size: DrawnSize): View {
   camera.updateWorldMatrix(true, false);
   object.updateWorldMatrix(true, false);
   local.copy(object.matrixWorld).invert().multiply(camera.matrixWorld);

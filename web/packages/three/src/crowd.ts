@@ -1,4 +1,4 @@
-import { type Crowd, type CrowdArrays, type CrowdOptions, type DrawGroup, packViews } from '@articula/core';
+import type { Crowd, CrowdArrays, CrowdOptions, DrawGroup } from '@articula/core';
 import {
   type Camera,
   Color,
@@ -15,7 +15,7 @@ import {
 } from 'three';
 
 import { type ArticulaAsset, indexIn } from './asset.js';
-import { cameraView, type DrawnSize } from './camera-view.js';
+import { type DrawnSize, packCameras } from './camera-view.js';
 import { GroupMeshes, LevelMesh } from './crowd-mesh.js';
 import type { CrowdMaterials, CrowdShading, CrowdShape } from './crowd-shading.js';
 import { DataRows } from './data-rows.js';
@@ -173,8 +173,7 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
    * the size of the picture in pixels, or the renderer.
    */
   update(dtSecs: number, cameras: Camera | readonly Camera[], size: DrawnSize): void {
-    const seen = 'isCamera' in cameras ? [cameras] : cameras;
-    const views = packViews(seen.map((camera) => cameraView(camera, this, size)));
+    const views = packCameras(cameras, this, size);
     const start = performance.now();
     this.core.frame(dtSecs, views);
     this.lastFrameMs = performance.now() - start;

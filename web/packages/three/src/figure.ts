@@ -1,9 +1,9 @@
-import { type Figure, type FigureArrays, packViews } from '@articula/core';
+import type { Figure, FigureArrays } from '@articula/core';
 import { type Camera, Object3D, Sphere } from 'three';
 
 import type { ArticulaAsset } from './asset.js';
 import { PoseBounds } from './bounds.js';
-import { cameraView, type DrawnSize } from './camera-view.js';
+import { type DrawnSize, packCameras } from './camera-view.js';
 import { FigureMesh, PaletteSkeleton } from './figure-mesh.js';
 import { matrixOfRows } from './rows.js';
 
@@ -147,10 +147,13 @@ export class ArticulaFigure extends Object3D {
     return socket;
   }
 
-  /** Advances by `dtSecs` and takes over the pose. A tolerance needs the camera and the size of the picture. */
-  update(dtSecs: number, camera?: Camera, size?: DrawnSize): void {
-    const view = camera !== undefined && size !== undefined ? packViews([cameraView(camera, this, size)]) : NOWHERE;
-    this.core.frame(dtSecs, view);
+  /**
+   * Advances by `dtSecs` and takes over the pose. A tolerance needs the cameras and the size of the picture in pixels, or
+   * the renderer.
+   */
+  update(dtSecs: number, cameras?: Camera | readonly Camera[], size?: DrawnSize): void {
+    const seen = cameras !== undefined && size !== undefined;
+    this.core.frame(dtSecs, seen ? packCameras(cameras, this, size) : NOWHERE);
     this.#skeleton.setPalette(this.#arrays.palette);
     const influences = this.mesh.morphTargetInfluences;
     if (influences !== undefined) {
