@@ -9,12 +9,13 @@ const MOST_LEFT_OUT = 3;
 const detail = (kind, cache, list) => ({
   name: `detail ${kind} ${cache}`,
   call: ['detail', [kind, KNIGHT, 'HumanArmature|Walking', cache]],
-  async check({ percent, png, shown, drawn, levels }, save) {
+  async check({ percent, png, shown, few, drawn, levels }, save) {
     await save('crowd', png);
     console.log(`        ${percent.toFixed(2)} % differ, ${shown.toFixed(1)} % show it, drawn`, drawn, 'levels', levels);
     return [
       ...unless(percent < MOST_LEFT_OUT, `${percent.toFixed(2)} % of the pixels differ`),
       ...unless(shown > 5, 'nothing is shown'),
+      ...unless(few > 0 && few < 12, `the first camera sees ${few}`),
       ...unless(drawn[list] > 0, `there are no ${list}`),
     ];
   },

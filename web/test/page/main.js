@@ -22,6 +22,6 @@ window.tests = {
   pictures: async (kind, url, clip) => comparePictures(await makeRenderer(kind), kind, url, clip),
   async made(kind) {
     const url = URL.createObjectURL(new Blob([await madeCharacter()]));
-    return comparePictures(await makeRenderer(kind), kind, url, 'wave');
+    return comparePictures(await makeRenderer(kind), kind, url, 'wave', true);
   },
 };

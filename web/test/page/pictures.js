@@ -7,21 +7,20 @@ import { theirs } from './theirs.js';
 const COLUMNS = 3;
 
 /** Compares one file in one renderer. */
-export async function comparePictures(renderer, kind, url, clip) {
+export async function comparePictures(renderer, kind, url, clip, hasLamp = false) {
   const { ArticulaCrowd } = await import(kind === 'webgl' ? '@articula/three' : '@articula/three/webgpu');
   const loader = new ArticulaLoader();
   loader.prepare = false;
   const [asset, makeTheirs] = await Promise.all([loader.loadAsync(url), theirs(url)]);
   const height = asset.bounds.max.y - asset.bounds.min.y;
-  const figure = await figureBeside(renderer, asset, makeTheirs, height, clip);
-  const crowd = await crowdBeside(renderer, asset, makeTheirs, height, clip, ArticulaCrowd);
+  const figure = await figureBeside(renderer, asset, makeTheirs, makeStage(height, 1, hasLamp), clip);
+  const crowd = await crowdBeside(renderer, asset, makeTheirs, makeStage(height, COLUMNS, hasLamp), clip, ArticulaCrowd);
   const warnings = [...asset.warnings];
   asset.dispose();
   return { figure, crowd, warnings };
 }
 
-async function figureBeside(renderer, asset, makeTheirs, height, clip) {
-  const { scene, camera } = makeStage(height, 1);
+async function figureBeside(renderer, asset, makeTheirs, { scene, camera }, clip) {
   const empty = draw(renderer, scene, camera);
   const secs = 0.4;
   const their = makeTheirs(clip, secs);
@@ -40,8 +39,8 @@ async function figureBeside(renderer, asset, makeTheirs, height, clip) {
   return { ...(await compare(reference, ours)), shown: shown(empty, ours) };
 }
 
-async function crowdBeside(renderer, asset, makeTheirs, height, clip, ArticulaCrowd) {
-  const { scene, camera } = makeStage(height, COLUMNS);
+async function crowdBeside(renderer, asset, makeTheirs, { scene, camera }, clip, ArticulaCrowd) {
+  const height = asset.bounds.max.y - asset.bounds.min.y;
   const empty = draw(renderer, scene, camera);
   const places = Array.from({ length: COLUMNS * COLUMNS }, (_, i) => ({
     x: ((i % COLUMNS) - 1) * 1.2 * height,

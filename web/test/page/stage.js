@@ -1,4 +1,4 @@
-// A renderer with lights, a floor with shadows, and the pixels of what it draws.
+// A renderer with lights of two kinds, fog, a floor with shadows, and the pixels of what it draws.
 import * as THREE from 'three';
 
 export const WIDTH = 320;
@@ -25,8 +25,8 @@ export async function makeRenderer(kind) {
   return renderer;
 }
 
-/** A scene around characters of a height, and a camera that sees `columns` of them. */
-export function makeStage(height, columns) {
+/** A scene, with a lamp or by sun alone, around characters of a height, and a camera that sees `columns` of them. */
+export function makeStage(height, columns, hasLamp = false) {
   const scene = new THREE.Scene();
   scene.background = new THREE.Color(0x8899aa);
   scene.add(new THREE.HemisphereLight(0xffffff, 0x556655, 1));
@@ -37,6 +37,15 @@ export function makeStage(height, columns) {
   Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, far: 10 * height });
   sun.shadow.bias = -0.002;
   scene.add(sun);
+  scene.fog = new THREE.Fog(0x8899aa, 2 * height, 25 * height);
+  if (hasLamp) {
+    const lamp = new THREE.PointLight(0xffeecc, 4 * height * height);
+    lamp.position.set(-0.8, 1.3, 0.9).multiplyScalar(height);
+    lamp.castShadow = true;
+    lamp.shadow.mapSize.setScalar(256);
+    lamp.shadow.bias = -0.004;
+    scene.add(lamp);
+  }
   const floor = new THREE.Mesh(new THREE.PlaneGeometry(40 * height, 40 * height), new THREE.MeshStandardMaterial({ color: 0x555b55 }));
   floor.rotation.x = -Math.PI / 2;
   floor.receiveShadow = true;

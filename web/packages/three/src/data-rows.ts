@@ -31,6 +31,9 @@ export class DataRows {
 
   /** Takes over numbers, from `at` on. */
   write(numbers: Float32Array, at = 0): void {
+    if (numbers.length === 0) {
+      return;
+    }
     const rows = Math.ceil((at + numbers.length) / (DataRows.WIDTH * this.#channels));
     const { height } = this.#texture.image;
     if (rows > height) {
