@@ -180,7 +180,7 @@ function crowdColors({ data }) {
 
 /** Prepares in a worker, and ends preparing. */
 export async function preparing() {
-  const file = new File([await (await fetch(PAB)).arrayBuffer()], 'pab.glb');
+  const file = new File([await madeCharacter()], 'made.glb');
   const loader = new ArticulaLoader();
   const abort = new AbortController();
   loader.signal = abort.signal;
