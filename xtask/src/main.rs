@@ -30,6 +30,7 @@ mod tidy;
 mod wasm;
 mod wasm_build;
 mod web;
+mod web_pages;
 mod workspace;
 
 use std::process::ExitCode;

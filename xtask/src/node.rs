@@ -19,10 +19,15 @@ const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 ///
 /// Runs before the tests because tests of `crates/articula-cli` call the scripts.
 pub(crate) fn install() -> Result<Outcome> {
+    install_in("oracle", "node oracle")
+}
+
+/// Installs the packages that a folder pins, unless they are installed already; `what` needs them.
+pub(crate) fn install_in(folder: &str, what: &str) -> Result<Outcome> {
     if let Some(why) = missing() {
-        return lacking(why);
+        return lacking(format!("{what} ({why})"));
     }
-    let folder = root().join("oracle");
+    let folder = root().join(folder);
     if up_to_date(&folder) {
         return Ok(Outcome::Done);
     }
@@ -31,7 +36,7 @@ pub(crate) fn install() -> Result<Outcome> {
         .current_dir(&folder));
     match npm {
         Ok(()) => Ok(Outcome::Done),
-        Err(fault) => lacking(format!("node oracle (npm ci failed: {fault:#})")),
+        Err(fault) => lacking(format!("{what} (npm ci failed: {fault:#})")),
     }
 }
 
@@ -53,7 +58,7 @@ pub(crate) fn browser() -> Result<Outcome> {
 /// Runs the scripts on cases worked by hand, valid and invalid.
 pub(crate) fn self_test() -> Result<Outcome> {
     if let Some(why) = missing() {
-        return lacking(why);
+        return lacking(format!("node oracle ({why})"));
     }
     let folder = root().join("oracle");
     if !up_to_date(&folder) {
@@ -68,16 +73,13 @@ pub(crate) fn self_test() -> Result<Outcome> {
 /// Returns why the scripts cannot run on this machine, if they cannot.
 fn missing() -> Option<String> {
     let Some(version) = answer("node", &["--version"]) else {
-        return Some("node oracle (node not found)".to_owned());
+        return Some("node not found".to_owned());
     };
     if major(&version).is_none_or(|m| m < NODE_MAJOR) {
-        return Some(format!(
-            "node oracle (node {version} is older than {NODE_MAJOR})"
-        ));
+        return Some(format!("node {version} is older than {NODE_MAJOR}"));
     }
     let npm = answer("npm", &["--version"]);
-    npm.is_none()
-        .then(|| "node oracle (npm not found)".to_owned())
+    npm.is_none().then(|| "npm not found".to_owned())
 }
 
 /// Returns the major number of a version as printed by node (`v20.1.0`).

@@ -11,7 +11,7 @@ use crate::processes::{output, run, take_processor_time};
 use crate::run_times::{RunTimes, StepTime};
 use crate::test_programs::{self, TestTime};
 use crate::workspace::{cargo, data_folder, root, target};
-use crate::{cut_alone, dependencies, neon, node, playback, wasm};
+use crate::{cut_alone, dependencies, neon, node, playback, wasm, web_pages};
 use anyhow::{Result, anyhow};
 use std::process::Command;
 use std::sync::Mutex;
@@ -51,6 +51,7 @@ const STEPS: &[&[Step]] = &[
         step("dependencies", 0.1, |_| dependencies::check()),
         step("oracle packages", 0.5, |_| node::install()),
         step("oracle browser", 0.1, |_| node::browser()),
+        step("web packages", 0.5, |_| web_pages::install()),
     ],
     &[
         step("build of the tests", 15.0, |_| build_tests()),
@@ -70,6 +71,7 @@ const STEPS: &[&[Step]] = &[
         step("playback in node", 3.0, |_| wasm::playback()),
         step("neon under emulation", 3.0, |_| neon::check()),
     ],
+    &[step("pages", 1.5, |_| web_pages::check())],
 ];
 
 /// Steps of `--changed`.

@@ -1,0 +1,36 @@
+//! The check of the packages for web pages: their types, what they publish, and pages in Chromium.
+
+use crate::node::{browser, install_in};
+use crate::outcome::Outcome;
+use crate::processes::run;
+use crate::workspace::root;
+use anyhow::Result;
+use std::process::Command;
+
+/// Folder of the packages.
+const FOLDER: &str = "web";
+
+/// Installs what the packages and their tests need, pinned by `web/package-lock.json`.
+pub(crate) fn install() -> Result<Outcome> {
+    install_in(FOLDER, "packages for web pages")
+}
+
+/// Compiles the packages over the modules that the check in node has built, checks what they publish, and opens their
+/// pages.
+pub(crate) fn check() -> Result<Outcome> {
+    for missing in [install()?, browser()?] {
+        if let Outcome::Skipped(_) = missing {
+            return Ok(missing);
+        }
+    }
+    let folder = root().join(FOLDER);
+    if !folder.join("packages/core/wasm/tools_bg.wasm").is_file() {
+        let why = "packages for web pages (their modules are not built)";
+        return Ok(Outcome::Skipped(why.to_owned()));
+    }
+    for words in [&["run", "build"][..], &["run", "check"], &["test"]] {
+        let mut npm = Command::new("npm");
+        run(npm.args(words).arg("--silent").current_dir(&folder))?;
+    }
+    Ok(Outcome::Done)
+}
