@@ -5,8 +5,9 @@ use crate::expressions::known_names;
 use crate::geometry::Geometry;
 use crate::materials::materials;
 use crate::morphs;
+use crate::opening::open_alone;
 use articula::glam::Vec3;
-use articula::{OpenOptions, PosedMesh, SkinnedMesh, open};
+use articula::{PosedMesh, SkinnedMesh};
 use std::rc::Rc;
 use wasm_bindgen::prelude::*;
 
@@ -28,8 +29,7 @@ impl Asset {
     /// needs another file beside it.
     pub fn open(bytes: &[u8], name: &str) -> Result<Asset> {
         let thrown = |error| Fault::of_file(&error, name);
-        let mut alone = |uri: &str| Err(format!("{uri} is not in the file; give a .glb file"));
-        let opened = open(bytes, name, &OpenOptions::default(), &mut alone).map_err(thrown)?;
+        let opened = open_alone(bytes, name).map_err(thrown)?;
         let figure = articula::Figure::new(opened).map_err(thrown)?;
         Ok(Self {
             figure: Rc::new(figure),

@@ -24,6 +24,7 @@ mod materials;
 mod matrix_rows;
 mod metric;
 mod morphs;
+mod opening;
 mod picking;
 #[cfg(feature = "tools")]
 mod tools;

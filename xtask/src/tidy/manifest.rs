@@ -20,7 +20,13 @@ const SIBLINGS: &[&str] = &[
 const SIBLING_EDGES: &[(&str, &str)] = &[("articula-human", "articula-build")];
 
 /// Programs: no crate depends on them.
-const PROGRAMS: &[&str] = &["articula-cli", "articula-lab"];
+const PROGRAMS: &[&str] = &["articula-cli", "articula-lab", "articula-wasm"];
+
+/// Crates for web pages: all that they may use of ours, and what they alone may use.
+const WEB: &[(&str, &[&str], &str)] = &[
+    ("articula-wasm", &["articula"], "wasm-bindgen"),
+    ("xtask-web", &[], "wasm-bindgen-cli-support"),
+];
 
 /// Reports and the server, above the library: for programs only.
 const ABOVE: &[&str] = &["articula-report", "articula-serve"];
@@ -82,6 +88,19 @@ fn refusal(package: &str, dependency: &str) -> Option<String> {
         return Some(format!(
             "xtask must not depend on crates of the workspace, found {dependency}"
         ));
+    }
+    for (web, may_use, own) in WEB {
+        if package == *web && ours && !may_use.contains(&dependency) {
+            return Some(format!(
+                "{web} may depend on {may_use:?} of ours only, not on {dependency}"
+            ));
+        }
+        // The manifest of the workspace names what all crates use.
+        if dependency == *own && package != *web && !package.is_empty() {
+            return Some(format!(
+                "{package} must not depend on {own}, which is for {web}"
+            ));
+        }
     }
     let sibling = SIBLINGS.contains(&package);
     let is_told = SIBLING_EDGES.contains(&(package, dependency));
@@ -222,6 +241,21 @@ mod tests {
         assert_eq!(faults("articula", &on("articula-serve")), 1);
         assert_eq!(faults("articula", &on("articula-build")), 0);
         assert_eq!(faults("articula-cli", &on("articula-report")), 0);
+    }
+
+    #[test]
+    fn what_is_for_web_pages_stays_apart() {
+        let on = |dependency: &str| format!("[dependencies]\n{dependency}.workspace = true\n");
+        assert_eq!(faults("articula-wasm", &on("articula")), 0);
+        assert_eq!(faults("articula-wasm", &on("articula-core")), 1);
+        assert_eq!(faults("articula-wasm", &on("wasm-bindgen")), 0);
+        assert_eq!(faults("articula", &on("wasm-bindgen")), 1);
+        assert_eq!(faults("xtask", &on("wasm-bindgen-cli-support")), 1);
+        assert_eq!(faults("xtask-web", &on("wasm-bindgen-cli-support")), 0);
+        assert_eq!(faults("xtask-web", &on("articula")), 1);
+        assert_eq!(faults("articula-cli", &on("articula-wasm")), 1);
+        let all = "[workspace.dependencies]\nwasm-bindgen = \"=0.2.130\"\n";
+        assert!(crate_edges(&Tree::of(&[("Cargo.toml", all)])).is_empty());
     }
 
     #[test]

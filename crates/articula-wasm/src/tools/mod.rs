@@ -5,12 +5,13 @@ mod packaged;
 mod progress;
 
 use crate::error::Fault;
+use crate::opening::open_alone;
 use articula::convert::write;
 use articula::flat::flatten::PrepareClipOptions;
 use articula::flatten::{FramedCharacter, flatten_within};
 use articula::inspect::inspect;
 use articula::item::package;
-use articula::{CharacterFile, Figure, Format, OpenOptions, convert, open, prepare};
+use articula::{Figure, Format, convert, prepare};
 use packaged::PackagedFile;
 use progress::{ProgressCallback, run};
 use wasm_bindgen::prelude::*;
@@ -36,7 +37,7 @@ impl Tools {
     ) -> Result<Vec<u8>, JsValue> {
         let options = options::read::<options::Prepare>(options.as_deref())?.options()?;
         run(progress, name, |work| {
-            Ok(prepare(opened(bytes, name)?, &options, work)?.glb)
+            Ok(prepare(open_alone(bytes, name)?, &options, work)?.glb)
         })
     }
 
@@ -56,7 +57,7 @@ impl Tools {
             ))
         })?;
         run(progress, name, |work| {
-            let made = convert(opened(bytes, name)?, format, &options, work)?;
+            let made = convert(open_alone(bytes, name)?, format, &options, work)?;
             Ok(made.written.bytes)
         })
     }
@@ -74,8 +75,8 @@ impl Tools {
     ) -> Result<Vec<u8>, JsValue> {
         let options = options::read::<options::AddClips>(options.as_deref())?.options();
         run(progress, name, |work| {
-            let mut character = opened(bytes, name)?;
-            let motion = opened(motion, motion_name)?;
+            let mut character = open_alone(bytes, name)?;
+            let motion = open_alone(motion, motion_name)?;
             character.add_clips(&[motion], &options, work)?;
             let format = match character.format() {
                 Format::Vrm => Format::Vrm,
@@ -96,7 +97,7 @@ impl Tools {
     ) -> Result<Vec<u8>, JsValue> {
         let options: options::Flatten = options::read(options.as_deref())?;
         run(progress, name, |work| {
-            let figure = Figure::new(opened(bytes, name)?)?;
+            let figure = Figure::new(open_alone(bytes, name)?)?;
             let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
             let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
             let (_, flat) = flatten_within(framed, &clip, &settings, work)?;
@@ -107,7 +108,7 @@ impl Tools {
     /// Describes a file as JSON: joints and what they were recognised as, clips, meshes, face, warnings.
     pub fn inspect(bytes: &[u8], name: &str) -> Result<String, JsValue> {
         run(None, name, |work| {
-            let figure = Figure::new(opened(bytes, name)?)?;
+            let figure = Figure::new(open_alone(bytes, name)?)?;
             let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
             let found = inspect(&figure, &clips, work)?;
             serde_json::to_string(&found).map_err(|error| articula::Error::Write(Box::new(error)))
@@ -124,17 +125,8 @@ impl Tools {
     ) -> Result<Vec<PackagedFile>, JsValue> {
         let options = options::read::<options::Package>(options.as_deref())?.options()?;
         let item = run(progress, name, |work| {
-            package(opened(bytes, name)?, &options, work)
+            package(open_alone(bytes, name)?, &options, work)
         })?;
         Ok(item.files().into_iter().map(PackagedFile::new).collect())
     }
-}
-
-fn opened(bytes: &[u8], name: &str) -> articula::Result<CharacterFile> {
-    let mut alone = |uri: &str| {
-        Err(format!(
-            "{uri} is not in the file; give a file that holds all"
-        ))
-    };
-    open(bytes, name, &OpenOptions::default(), &mut alone)
 }
