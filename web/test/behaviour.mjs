@@ -75,6 +75,19 @@ export const BEHAVIOUR = [
     },
   },
   {
+    name: 'faces take expressions and morph targets by name',
+    call: ['faces', []],
+    check: ({ known, unknown, set, cleared }) => [
+      ...unless(known && !unknown, `known ${known}, unknown ${unknown}`),
+      ...unless(Math.abs(set[0] - 1) < 1e-6 && set[1] === 0.25 && cleared === 0, JSON.stringify({ set, cleared })),
+    ],
+  },
+  {
+    name: 'files of other formats open by a worker',
+    call: ['otherFormat', []],
+    check: ({ clips, joints }) => unless(clips === 1 && joints > 15, `${clips} clips, ${joints} joints`),
+  },
+  {
     name: 'a worker prepares, and can be ended',
     call: ['preparing', []],
     check: ({ cancelled, steps, prepared, warnings, clips }) => [

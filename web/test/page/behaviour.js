@@ -178,6 +178,32 @@ function crowdColors({ data }) {
   return hues.size;
 }
 
+/** An expression and a morph target of a face. */
+export async function faces() {
+  const asset = await opened('/assets/glb/ict_head_talk_554.glb');
+  const figure = new ArticulaFigure(asset);
+  const at = (name) => figure.mesh.morphTargetInfluences[figure.mesh.morphTargetDictionary[name]];
+  figure.update(0);
+  const rest = at('jawOpen');
+  const known = figure.setExpression('jawOpen', 1);
+  figure.setMorph('browDown_L', 0.25).update(0);
+  const set = [at('jawOpen') - rest, at('browDown_L')];
+  figure.clearMorphs().update(0);
+  const cleared = at('jawOpen') - rest;
+  const unknown = figure.setExpression('no such', 1);
+  figure.dispose();
+  asset.dispose();
+  return { known, unknown, set, cleared };
+}
+
+/** Opens a motion of another format. */
+export async function otherFormat() {
+  const asset = await new ArticulaLoader().loadAsync('/assets/bvh/makehuman_walk1.bvh');
+  const facts = { clips: asset.clips.length, joints: asset.joints.length };
+  asset.dispose();
+  return facts;
+}
+
 /** Prepares in a worker, and ends preparing. */
 export async function preparing() {
   const file = new File([await madeCharacter()], 'made.glb');

@@ -15,6 +15,8 @@ window.tests = {
   hits: behaviour.hits,
   budgetAndViews: behaviour.budgetAndViews,
   hostile: behaviour.hostile,
+  faces: behaviour.faces,
+  otherFormat: behaviour.otherFormat,
   preparing: behaviour.preparing,
   disposals: async (kind, times) => behaviour.disposals(await makeRenderer(kind), times),
   contextLoss: async (kind) => behaviour.contextLoss(await makeRenderer(kind)),

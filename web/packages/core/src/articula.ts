@@ -39,11 +39,17 @@ export class Articula {
 
   /** Loads the module. It is loaded once: later calls return the first, whatever their options. */
   static load(options: LoadOptions = {}): Promise<Articula> {
-    loading ??= start(options, (memory, tools) => new Articula(memory, tools)).catch((error: unknown) => {
+    loading ??= Articula.#start(options).catch((error: unknown) => {
       loading = undefined;
       throw error;
     });
     return loading;
+  }
+
+  static async #start({ wasm, tools }: LoadOptions): Promise<Articula> {
+    const module = wasm ?? new URL('../wasm/play_bg.wasm', import.meta.url);
+    const { memory } = await init({ module_or_path: module });
+    return new Articula(memory, new Tools(tools));
   }
 
   /** Opens a GLB or VRM. `name` has the file's extension. */
@@ -65,12 +71,4 @@ export class Articula {
     const crowd = guarded(() => new Crowd(asset, count, JSON.stringify(options)));
     return { crowd, arrays: new CrowdArrays(this.memory, crowd, asset.morphDefaults.length) };
   }
-}
-
-async function start(
-  { wasm, tools }: LoadOptions,
-  make: (memory: WebAssembly.Memory, tools: Tools) => Articula,
-): Promise<Articula> {
-  const { memory } = await init({ module_or_path: wasm ?? new URL('../wasm/play_bg.wasm', import.meta.url) });
-  return make(memory, new Tools(tools));
 }

@@ -1,4 +1,4 @@
-import { type Articula, type Asset, Geometry } from '@articula/core';
+import type { Articula, Asset } from '@articula/core';
 import { type BufferGeometry, Box3, MeshStandardMaterial, Vector3 } from 'three';
 
 import type { FileMaterials } from './file-materials.js';
@@ -106,7 +106,7 @@ export class ArticulaAsset {
   }
 
   #makeShape(): FigureShape {
-    const mesh: Geometry = this.core.mesh();
+    const mesh = this.core.mesh();
     const { geometry, ranges } = skinnedGeometry(mesh);
     const morphs = addMorphs(geometry, mesh, this.morphNames);
     const { bindings } = mesh;

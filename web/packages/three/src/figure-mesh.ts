@@ -7,7 +7,7 @@ import {
   Skeleton,
   SkinnedMesh,
   Vector3,
-  Vector4,
+  type Vector4,
 } from 'three';
 
 import { columnsOfRows } from './rows.js';
@@ -48,8 +48,7 @@ export class PaletteSkeleton extends Skeleton {
 const base = new Vector3();
 const moved = new Vector3();
 const entry = new Matrix4();
-const entries = new Vector4();
-const weights = new Vector4();
+const point = new Vector3();
 
 /** A skinned mesh whose matrices take rest positions to the space of the figure. */
 export class FigureMesh extends SkinnedMesh<BufferGeometry, Material[]> {
@@ -70,17 +69,18 @@ export class FigureMesh extends SkinnedMesh<BufferGeometry, Material[]> {
     if (skinIndex === undefined || skinWeight === undefined) {
       return target;
     }
-    entries.fromBufferAttribute(skinIndex as never, index);
-    weights.fromBufferAttribute(skinWeight as never, index);
     base.set(target.x, target.y, target.z);
     moved.set(0, 0, 0);
-    for (let i = 0; i < 4; i += 1) {
-      const weight = weights.getComponent(i);
+    for (let slot = 0; slot < 4; slot += 1) {
+      const weight = skinWeight.getComponent(index, slot);
       if (weight !== 0) {
-        const at = this.#palette.matrix(entries.getComponent(i), entry);
-        moved.addScaledVector(target.copy(base as never).applyMatrix4(at) as Vector3, weight);
+        this.#palette.matrix(skinIndex.getComponent(index, slot), entry);
+        moved.addScaledVector(point.copy(base).applyMatrix4(entry), weight);
       }
     }
-    return target.copy(moved as never);
+    target.x = moved.x;
+    target.y = moved.y;
+    target.z = moved.z;
+    return target;
   }
 }

@@ -6,13 +6,17 @@ import { ArticulaAsset } from './asset.js';
 /** What can be loaded: an address, or a file that the page has. */
 export type AssetSource = string | Blob | ArrayBuffer | Uint8Array;
 
+/** Names of files that are opened without a worker. */
+const IS_PLAYED = /\.(glb|vrm)$/i;
+
 /**
- * Loads characters. An asset that is prepared opens at once; another GLB or VRM is prepared in a worker first,
- * which takes seconds: see {@link ArticulaLoader.onPrepare} and {@link ArticulaLoader.prepare}.
+ * Loads characters. An asset that is prepared opens at once; another GLB or VRM, and files of all other formats, are
+ * prepared in a worker first, which takes seconds: see {@link ArticulaLoader.onPrepare} and
+ * {@link ArticulaLoader.prepare}.
  */
 export class ArticulaLoader extends Loader<ArticulaAsset, AssetSource> {
   readonly #options: LoadOptions;
-  /** Whether files that are not prepared are prepared. Figures need no preparation; crowds are made faster. */
+  /** Whether a GLB or VRM that is not prepared is. Figures do not need it; a crowd is then made faster. */
   prepare = true;
   /** Levels of detail of the mesh, if the file is prepared. */
   meshLevels: number | undefined;
@@ -57,18 +61,12 @@ export class ArticulaLoader extends Loader<ArticulaAsset, AssetSource> {
       typeof source === 'string' ? this.#fetch(source, onProgress) : bytesOf(source),
     ]);
     const name = nameOf(source);
-    if (!this.prepare) {
-      return ArticulaAsset.open(articula, file, name);
-    }
-    const plain = articula.open(file, name);
-    const { isPrepared } = plain;
-    plain.free();
-    if (isPrepared) {
+    if (this.prepare ? isPrepared(articula, file, name) : IS_PLAYED.test(name)) {
       return ArticulaAsset.open(articula, file, name);
     }
     const { signal, onPrepare, meshLevels } = this;
     const prepared = await articula.tools.prepare(file, name, { signal, onProgress: onPrepare, meshLevels });
-    return ArticulaAsset.open(articula, prepared, name);
+    return ArticulaAsset.open(articula, prepared, IS_PLAYED.test(name) ? name : name.replace(/\.[^.]*$/, '.glb'));
   }
 
   async #fetch(url: string, onProgress?: (event: ProgressEvent) => void): Promise<Uint8Array> {
@@ -80,6 +78,17 @@ export class ArticulaLoader extends Loader<ArticulaAsset, AssetSource> {
     const data = await loader.loadAsync(url, onProgress);
     return new Uint8Array(data as ArrayBuffer);
   }
+}
+
+/** Whether a file can be opened here and has all tables. */
+function isPrepared(articula: Articula, file: Uint8Array, name: string): boolean {
+  if (!IS_PLAYED.test(name)) {
+    return false;
+  }
+  const asset = articula.open(file, name);
+  const { isPrepared: has } = asset;
+  asset.free();
+  return has;
 }
 
 async function bytesOf(source: Exclude<AssetSource, string>): Promise<Uint8Array> {
