@@ -9,13 +9,14 @@ const MOST_LEFT_OUT = 3;
 const detail = (kind, cache, list) => ({
   name: `detail ${kind} ${cache}`,
   call: ['detail', [kind, KNIGHT, 'HumanArmature|Walking', cache]],
-  async check({ percent, png, shown, few, drawn, levels }, save) {
+  async check({ percent, png, shown, few, again, drawn, levels }, save) {
     await save('crowd', png);
     console.log(`        ${percent.toFixed(2)} % differ, ${shown.toFixed(1)} % show it, drawn`, drawn, 'levels', levels);
     return [
       ...unless(percent < MOST_LEFT_OUT, `${percent.toFixed(2)} % of the pixels differ`),
       ...unless(shown > 5, 'nothing is shown'),
       ...unless(few > 0 && few < 12, `the first camera sees ${few}`),
+      ...unless(again === 0, `${again} % of the pixels differ when buffers shrink`),
       ...unless(drawn[list] > 0, `there are no ${list}`),
     ];
   },
@@ -30,6 +31,16 @@ export const BEHAVIOUR = [
     name: 'an object in a socket follows the joint',
     call: ['socketDistance', ['RightHand']],
     check: (metres) => unless(metres < 1e-4, `the object is ${metres} m off`),
+  },
+  {
+    name: 'figures fade, add layers, turn joints and leave out what is far',
+    call: ['motions', []],
+    check: ({ apart, angle, returned }) => [
+      ...['faded', 'layered', 'turned'].flatMap((name) => unless(apart[name] < 1e-3, `${name}: ${apart[name]} m`)),
+      ...unless(apart.far < 0.3, `far: ${apart.far} m`),
+      ...unless(Math.abs(angle - Math.PI / 2) < 1e-3, `the head turns by ${angle}`),
+      ...unless(returned < 1e-3, `the head is ${returned} off when it is let go`),
+    ],
   },
   {
     name: 'rays hit the characters where they stand',

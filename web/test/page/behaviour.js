@@ -37,6 +37,35 @@ export async function socketDistance(joint) {
   return a.distanceTo(b);
 }
 
+/** Metres between feet of figures that should stand alike, and the angle of a head that was turned by 90 degrees. */
+export async function motions() {
+  const asset = await opened(PAB);
+  const make = () => new ArticulaFigure(asset);
+  const foot = (figure) => figure.socket('LeftFoot').position.clone();
+  const head = (figure) => figure.socket('Head').quaternion.clone();
+  const camera = new THREE.PerspectiveCamera();
+  camera.position.z = 60;
+  const [plain, faded, layered, turned, far] = Array.from({ length: 5 }, make);
+  [plain, turned, far].forEach((figure) => figure.play('run', 0.1).update(0.3));
+  faded.play('walk').fadeTo('run', 0.1).update(0.2);
+  faded.update(0.2);
+  const all = layered.play('walk').addLayer('run', { weight: 0 });
+  layered.setLayerWeight(all, 1).update(0.4);
+  const half = Math.SQRT1_2;
+  turned.poseJoint('Head', new THREE.Quaternion(0, half, 0, half)).update(0);
+  const angle = head(turned).angleTo(head(plain));
+  turned.clearPosed().update(0);
+  far.setTolerance(1).update(0, camera, { width: 320, height: 240 });
+  const stands = { faded, layered, far, turned };
+  const apart = Object.fromEntries(
+    Object.entries(stands).map(([name, figure]) => [name, foot(figure).distanceTo(foot(plain))]),
+  );
+  const returned = head(turned).angleTo(head(plain));
+  [plain, faded, layered, turned, far].forEach((figure) => figure.dispose());
+  asset.dispose();
+  return { apart, angle, returned };
+}
+
 /** Which characters rays hit that are cast at the place of each, in a crowd that was moved; and at nobody. */
 export async function hits() {
   const asset = await opened(PAB);

@@ -12,6 +12,7 @@ window.tests = {
   readmePicture,
   positions: comparePositions,
   socketDistance: behaviour.socketDistance,
+  motions: behaviour.motions,
   hits: behaviour.hits,
   budgetAndViews: behaviour.budgetAndViews,
   hostile: behaviour.hostile,

@@ -231,7 +231,7 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
   /** Sends the numbers that changed. */
   #send(): void {
     const arrays = this.#arrays;
-    this.#palettes.write(arrays.palettes);
+    this.#palettes.replace(arrays.palettes);
     if (this.#isMoved) {
       this.#isMoved = false;
       this.#transforms.write(arrays.transforms);

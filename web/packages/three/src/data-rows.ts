@@ -5,17 +5,19 @@ export interface TextureHolder {
   value: unknown;
 }
 
-/** Numbers that shaders read: a texture of floats that grows. */
+/** Numbers that shaders read, as a texture of floats of any height. */
 export class DataRows {
   /** Texels of a row: 512 matrices of three. Shaders have the same number. */
   static readonly WIDTH = 1536;
   readonly #channels: 1 | 4;
   readonly #holders: TextureHolder[] = [];
+  /** Textures by height, powers of two: a texture is sent whole, so one that fits is shown. */
+  readonly #textures = new Map<number, DataTexture>();
   #texture: DataTexture;
 
   constructor(channels: 1 | 4) {
     this.#channels = channels;
-    this.#texture = this.#make(1);
+    this.#texture = this.#ofHeight(1);
   }
 
   get texture(): DataTexture {
@@ -29,18 +31,29 @@ export class DataRows {
     return holder;
   }
 
-  /** Takes over numbers, from `at` on. */
+  /** Takes over numbers in place of all others. */
+  replace(numbers: Float32Array): void {
+    if (numbers.length > 0) {
+      this.#show(this.#ofHeight(this.#heightFor(numbers.length)));
+      this.#set(numbers, 0);
+    }
+  }
+
+  /** Takes over numbers from `at` on; the others stay. */
   write(numbers: Float32Array, at = 0): void {
     if (numbers.length === 0) {
       return;
     }
-    const rows = Math.ceil((at + numbers.length) / (DataRows.WIDTH * this.#channels));
-    const { height } = this.#texture.image;
-    if (rows > height) {
-      this.#grow(Math.max(rows, Math.ceil(height * 1.5)));
+    const height = this.#heightFor(at + numbers.length);
+    const { data, height: had } = this.#texture.image;
+    if (height > had) {
+      const grown = this.#ofHeight(height);
+      (grown.image.data as Float32Array).set(data as Float32Array);
+      this.#show(grown);
+      this.#textures.get(had)?.dispose();
+      this.#textures.delete(had);
     }
-    (this.#texture.image.data as Float32Array).set(numbers, at);
-    this.#texture.needsUpdate = true;
+    this.#set(numbers, at);
   }
 
   /** Has the texture sent again. */
@@ -49,24 +62,38 @@ export class DataRows {
   }
 
   dispose(): void {
-    this.#texture.dispose();
-  }
-
-  #grow(height: number): void {
-    const old = this.#texture;
-    this.#texture = this.#make(height);
-    (this.#texture.image.data as Float32Array).set(old.image.data as Float32Array);
-    old.dispose();
-    for (const holder of this.#holders) {
-      holder.value = this.#texture;
+    for (const texture of this.#textures.values()) {
+      texture.dispose();
     }
   }
 
-  #make(height: number): DataTexture {
+  /** The least power of two whose rows hold so many numbers. */
+  #heightFor(numbers: number): number {
+    return 2 ** Math.ceil(Math.log2(Math.ceil(numbers / (DataRows.WIDTH * this.#channels))));
+  }
+
+  #set(numbers: Float32Array, at: number): void {
+    (this.#texture.image.data as Float32Array).set(numbers, at);
+    this.#texture.needsUpdate = true;
+  }
+
+  #show(texture: DataTexture): void {
+    this.#texture = texture;
+    for (const holder of this.#holders) {
+      holder.value = texture;
+    }
+  }
+
+  #ofHeight(height: number): DataTexture {
+    const made = this.#textures.get(height);
+    if (made !== undefined) {
+      return made;
+    }
     const data = new Float32Array(DataRows.WIDTH * height * this.#channels);
     const format = this.#channels === 1 ? RedFormat : RGBAFormat;
     const texture = new DataTexture(data, DataRows.WIDTH, height, format, FloatType);
     texture.needsUpdate = true;
+    this.#textures.set(height, texture);
     return texture;
   }
 }
