@@ -1,3 +1,4 @@
+/// <reference lib="esnext.disposable" preserve="true" />
 export { Asset, Crowd, Figure, Geometry } from '../wasm/play.js';
 export { Articula, type CrowdParts, type FigureParts, type LoadOptions } from './articula.js';
 export { CrowdArrays, type CrowdOptions, type DrawGroup, type DrawKind } from './crowd.js';
