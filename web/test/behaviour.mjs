@@ -11,7 +11,8 @@ const detail = (kind, cache, list) => ({
   call: ['detail', [kind, KNIGHT, 'HumanArmature|Walking', cache]],
   async check({ percent, png, shown, few, again, drawn, levels }, save) {
     await save('crowd', png);
-    console.log(`        ${percent.toFixed(2)} % differ, ${shown.toFixed(1)} % show it, drawn`, drawn, 'levels', levels);
+    const numbers = `${percent.toFixed(2)} % differ, ${shown.toFixed(1)} % show it`;
+    console.log(`        ${numbers}, drawn`, drawn, 'levels', levels);
     return [
       ...unless(percent < MOST_LEFT_OUT, `${percent.toFixed(2)} % of the pixels differ`),
       ...unless(shown > 5, 'nothing is shown'),

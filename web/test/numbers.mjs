@@ -31,7 +31,7 @@ export const NUMBERS = CASES.map(([file, clip, secs]) => ({
       faults.push(`the bounding sphere is ${(1 / tight).toFixed(1)} times as large as needed`);
     }
     const mm = [figure, crowd].map((metres) => `${(1000 * metres).toFixed(4)} mm`);
-    console.log(`        figure ${mm[0]} off, crowd ${mm[1]}, sphere ${(1 / tight).toFixed(2)} times as large as needed`);
+    console.log(`        figure ${mm[0]} off, crowd ${mm[1]}, sphere ${(1 / tight).toFixed(2)} times the least`);
     return faults;
   },
 }));

@@ -39,5 +39,6 @@ export async function compareDetail(renderer, kind, url, clip, cache) {
   const again = await compare(close, draw(renderer, scene, near));
   crowd.dispose();
   asset.dispose();
-  return { ...(await compare(full, less)), shown: shown(empty, less), few, again: again.percent, drawn, levels: [...levels].sort() };
+  const facts = { few, again: again.percent, drawn, levels: [...levels].sort() };
+  return { ...(await compare(full, less)), shown: shown(empty, less), ...facts };
 }

@@ -13,8 +13,9 @@ export async function comparePictures(renderer, kind, url, clip, hasLamp = false
   loader.prepare = false;
   const [asset, makeTheirs] = await Promise.all([loader.loadAsync(url), theirs(url)]);
   const height = asset.bounds.max.y - asset.bounds.min.y;
-  const figure = await figureBeside(renderer, asset, makeTheirs, makeStage(height, 1, hasLamp), clip);
-  const crowd = await crowdBeside(renderer, asset, makeTheirs, makeStage(height, COLUMNS, hasLamp), clip, ArticulaCrowd);
+  const [one, many] = [1, COLUMNS].map((columns) => makeStage(height, columns, hasLamp));
+  const figure = await figureBeside(renderer, asset, makeTheirs, one, clip);
+  const crowd = await crowdBeside(renderer, asset, makeTheirs, many, clip, ArticulaCrowd);
   const warnings = [...asset.warnings];
   asset.dispose();
   return { figure, crowd, warnings };

@@ -46,7 +46,8 @@ export function makeStage(height, columns, hasLamp = false) {
     lamp.shadow.bias = -0.004;
     scene.add(lamp);
   }
-  const floor = new THREE.Mesh(new THREE.PlaneGeometry(40 * height, 40 * height), new THREE.MeshStandardMaterial({ color: 0x555b55 }));
+  const ground = new THREE.MeshStandardMaterial({ color: 0x555b55 });
+  const floor = new THREE.Mesh(new THREE.PlaneGeometry(40 * height, 40 * height), ground);
   floor.rotation.x = -Math.PI / 2;
   floor.receiveShadow = true;
   scene.add(floor);

@@ -1,5 +1,15 @@
 import { packViews, type View } from '@articula/core';
-import { type Camera, MathUtils, Matrix4, type Object3D, OrthographicCamera, PerspectiveCamera, Quaternion, Vector2, Vector3 } from 'three';
+import {
+  type Camera,
+  MathUtils,
+  Matrix4,
+  type Object3D,
+  OrthographicCamera,
+  PerspectiveCamera,
+  Quaternion,
+  Vector2,
+  Vector3,
+} from 'three';
 
 /** The size of a picture in pixels, or a renderer that has one. */
 export type DrawnSize =

@@ -34,7 +34,7 @@ function posed<M extends Material>(material: M, shape: CrowdShape, source?: Mate
   }
   if (shape.morphs !== undefined) {
     uniforms.articulaDeltas = holder(shape.morphs.deltas);
-    uniforms.articulaWeights = holder(shape.weights);
+    uniforms.articulaMorphWeights = holder(shape.weights);
   }
   const variant = `articula ${JSON.stringify([
     shape.blended,
@@ -61,6 +61,12 @@ function posed<M extends Material>(material: M, shape: CrowdShape, source?: Mate
   return material;
 }
 
+const MORPH_DECLARATIONS = /* glsl */ `
+attribute uint ${MORPH_SET};
+uniform highp sampler2D articulaDeltas;
+uniform highp sampler2D articulaMorphWeights;
+`;
+
 function declarations({ blended, fours, colors, morphs }: CrowdShape): string {
   const influences = Array.from(
     { length: fours },
@@ -72,7 +78,7 @@ attribute ${blended ? 'uvec4' : 'uvec2'} ${DRAW};
 uniform highp sampler2D articulaPalettes;
 uniform highp sampler2D articulaTransforms;
 ${colors === undefined ? '' : 'uniform highp sampler2D articulaColors;\nvarying vec3 articulaColor;'}
-${morphs === undefined ? '' : `attribute uint ${MORPH_SET};\nuniform highp sampler2D articulaDeltas;\nuniform highp sampler2D articulaWeights;`}
+${morphs === undefined ? '' : MORPH_DECLARATIONS}
 
 struct ArticulaRows { vec4 x; vec4 y; vec4 z; };
 
@@ -120,7 +126,8 @@ function body({ blended, fours, colors, morphs, morphTargets }: CrowdShape): str
     return `  articulaAdd(articulaPose, ${entriesOf(four)}.${component}, ${weightsOf(four)}.${component});`;
   });
   const moves = (morphs?.targets ?? []).map(
-    (target, i) => /* glsl */ `  articulaWeight = articulaTexel(articulaWeights, ${MORPH_SET} * ${morphTargets}u + ${target}u).x;
+    (target, i) => /* glsl */ `
+  articulaWeight = articulaTexel(articulaMorphWeights, ${MORPH_SET} * ${morphTargets}u + ${target}u).x;
   if (articulaWeight != 0.0) {
     uint at = (${i * (morphs?.vertices ?? 0)}u + uint(gl_VertexID)) * 2u;
     articulaPosition += articulaTexel(articulaDeltas, at).xyz * articulaWeight;

@@ -52,6 +52,7 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
   readonly #arrays: CrowdArrays;
   readonly #shading: CrowdShading;
   readonly #travels: boolean;
+  readonly #morphTargets: number;
   readonly #levels = new Map<number, LevelMesh>();
   readonly #groups = new Map<string, GroupMeshes>();
   readonly #materials = new Map<string, CrowdMaterials>();
@@ -76,7 +77,9 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     this.#arrays = arrays;
     this.#shading = shading;
     this.#travels = options.rootMotion === 'extracted';
-    this.#weights.write(asset.core.morphDefaults);
+    const defaults = asset.core.morphDefaults;
+    this.#morphTargets = defaults.length;
+    this.#weights.write(defaults);
   }
 
   /** Places a character: x, y, z in metres and the turn about +Y in radians, in the space of the crowd. */
@@ -169,8 +172,8 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
   }
 
   /**
-   * Advances by `dtSecs`, for one camera or several: what any of them sees is drawn at the detail that it needs. `size` is
-   * the size of the picture in pixels, or the renderer.
+   * Advances by `dtSecs`, for one camera or several: what any of them sees is drawn at the detail that it needs.
+   * `size` is the size of the picture in pixels, or the renderer.
    */
   update(dtSecs: number, cameras: Camera | readonly Camera[], size: DrawnSize): void {
     const views = packCameras(cameras, this, size);
@@ -236,10 +239,8 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
       this.#isMoved = false;
       this.#transforms.write(arrays.transforms);
     }
-    const defaults = this.asset.core.morphDefaults.length;
-    if (defaults > 0) {
-      this.#weights.write(arrays.morphWeights, defaults);
-    }
+    // After the defaults.
+    this.#weights.write(arrays.morphWeights, this.#morphTargets);
     if (!this.#cacheIsSent && (this.core.records > 0 || this.core.stepped > 0)) {
       this.#cacheIsSent = true;
       this.#cached.write(arrays.cached);
@@ -304,7 +305,7 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
       fours: mesh.fours,
       morphs: mesh.morphs,
       weights: this.#weights,
-      morphTargets: this.asset.core.morphDefaults.length,
+      morphTargets: this.#morphTargets,
     };
     // Levels without morph targets share shaders.
     const key = [kind, mesh.fours, mesh.morphs === undefined ? '' : level, material].join(' ');

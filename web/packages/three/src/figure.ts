@@ -148,8 +148,8 @@ export class ArticulaFigure extends Object3D {
   }
 
   /**
-   * Advances by `dtSecs` and takes over the pose. A tolerance needs the cameras and the size of the picture in pixels, or
-   * the renderer.
+   * Advances by `dtSecs` and takes over the pose. A tolerance needs the cameras and the size of the picture in pixels,
+   * or the renderer.
    */
   update(dtSecs: number, cameras?: Camera | readonly Camera[], size?: DrawnSize): void {
     const seen = cameras !== undefined && size !== undefined;
