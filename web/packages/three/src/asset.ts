@@ -57,9 +57,8 @@ export class ArticulaAsset {
     this.#textures = textures;
   }
 
-  /** Opens a GLB or VRM. */
-  static async open(articula: Articula, bytes: Uint8Array, name: string): Promise<ArticulaAsset> {
-    const core = articula.open(bytes, name);
+  /** Takes over a character that was opened, and makes its materials. */
+  static async of(articula: Articula, core: Asset): Promise<ArticulaAsset> {
     const warnings = [...core.warnings];
     const file = JSON.parse(core.materials()) as FileMaterials;
     const textures = new FileTextures(file, (index) => core.image(index));

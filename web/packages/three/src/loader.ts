@@ -61,12 +61,16 @@ export class ArticulaLoader extends Loader<ArticulaAsset, AssetSource> {
       typeof source === 'string' ? this.#fetch(source, onProgress) : bytesOf(source),
     ]);
     const name = nameOf(source);
-    if (this.prepare ? isPrepared(articula, file, name) : IS_PLAYED.test(name)) {
-      return ArticulaAsset.open(articula, file, name);
+    if (IS_PLAYED.test(name)) {
+      const core = articula.open(file, name);
+      if (core.isPrepared || !this.prepare) {
+        return ArticulaAsset.of(articula, core);
+      }
+      core.free();
     }
     const { signal, onPrepare, meshLevels } = this;
     const prepared = await articula.tools.prepare(file, name, { signal, onProgress: onPrepare, meshLevels });
-    return ArticulaAsset.open(articula, prepared, IS_PLAYED.test(name) ? name : name.replace(/\.[^.]*$/, '.glb'));
+    return ArticulaAsset.of(articula, articula.open(prepared, IS_PLAYED.test(name) ? name : `${name}.glb`));
   }
 
   async #fetch(url: string, onProgress?: (event: ProgressEvent) => void): Promise<Uint8Array> {
@@ -78,17 +82,6 @@ export class ArticulaLoader extends Loader<ArticulaAsset, AssetSource> {
     const data = await loader.loadAsync(url, onProgress);
     return new Uint8Array(data as ArrayBuffer);
   }
-}
-
-/** Whether a file can be opened here and has all tables. */
-function isPrepared(articula: Articula, file: Uint8Array, name: string): boolean {
-  if (!IS_PLAYED.test(name)) {
-    return false;
-  }
-  const asset = articula.open(file, name);
-  const { isPrepared: has } = asset;
-  asset.free();
-  return has;
 }
 
 async function bytesOf(source: Exclude<AssetSource, string>): Promise<Uint8Array> {
