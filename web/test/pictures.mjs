@@ -30,6 +30,18 @@ async function check(result, save) {
   return faults;
 }
 
+const EXAMPLES = [
+  {
+    name: 'example babylon',
+    call: ['babylon', ['/assets/glb/pab_arnaud.glb', 'walk']],
+    async check({ percent, png, shown }, save) {
+      await save('outlines', png);
+      console.log(`        ${percent.toFixed(3)} % differ, ${shown.toFixed(1)} % show it`);
+      return percent <= MOST_PERCENT && shown >= LEAST_SHOWN ? [] : ['the outlines differ'];
+    },
+  },
+];
+
 export const PICTURES = ['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) => [
   { name: `pictures ${kind} made`, call: ['made', [kind]], check },
   ...FILES.map(({ file, clip }) => ({
@@ -37,4 +49,4 @@ export const PICTURES = ['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) => [
     call: ['pictures', [kind, `/assets/${file}`, clip]],
     check,
   })),
-]);
+]).concat(EXAMPLES);

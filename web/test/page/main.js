@@ -8,6 +8,10 @@ import { readmeLines, readmePicture } from './readmes.js';
 import { makeRenderer } from './stage.js';
 
 window.tests = {
+  async babylon(url, clip) {
+    const { babylonPicture } = await import('./babylon.js');
+    return babylonPicture(await makeRenderer('webgl'), url, clip);
+  },
   readmeLines,
   readmePicture,
   positions: comparePositions,
