@@ -2,7 +2,7 @@
 
 use super::manifest::{FORMAT, Manifest, VERSION, VERSION_WITHOUT_FILES};
 use super::name::check_name;
-use super::part::{ItemLayer, ItemPart, PartKind};
+use super::part::{ItemLayer, ItemPart, PIXEL, PartKind};
 use crate::error::{Context, Error, Result};
 use articula_formats::Limits;
 use std::collections::{BTreeMap, BTreeSet};
@@ -206,8 +206,10 @@ impl ItemLayer {
             let what = format!("{need}, expected layers before this one, {own}");
             return wrong("needs".into(), what);
         }
-        if is_texture == self.file.is_none() {
-            let what = "layers of textures have a file, all others none";
+        // The figure has the pixel.
+        let is_pixel = is_texture && self.size_px == Some(PIXEL) && self.bytes == 0;
+        if is_texture == self.file.is_none() && !is_pixel {
+            let what = "layers of textures above one pixel have a file, all others none";
             return wrong("file".into(), what);
         }
         number("error_m".into(), Some(self.error_m))?;

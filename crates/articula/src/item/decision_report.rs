@@ -37,6 +37,8 @@ pub struct DecisionReport {
     pub device_ratio: Option<f64>,
     /// What keeps the error from being smaller.
     pub bounds: Vec<String>,
+    /// Motions that are not sent, and may be fetched later.
+    pub absent: Vec<String>,
     /// The option of each part.
     pub parts: Vec<PartReport>,
     /// The decision in words.
@@ -76,8 +78,9 @@ pub struct NextReport {
 }
 
 impl DecisionReport {
-    /// Returns the decision of a table, by the names of the pins of an item's own.
-    pub fn of_table(table: &Decided, adapted: &AdaptedItem) -> Self {
+    /// Returns the decision of a table, by the names of the pins of an item's own, with the motions that are
+    /// not sent.
+    pub fn of_table(table: &Decided, adapted: &AdaptedItem, absent: Vec<String>) -> Self {
         let of = |pin: &str| table.values.get(pin).map(|value| *value as u32);
         Self {
             modality: match adapted {
@@ -90,6 +93,7 @@ impl DecisionReport {
             tier: of("TIER"),
             face_loa: of("FACE_LEVELS").map(|digits| digits / 10_000_000),
             mesh_level: of("MESH_LEVEL"),
+            absent,
             explanation: table.reasons.join("\n"),
             ..Self::default()
         }
@@ -126,6 +130,7 @@ impl DecisionReport {
             network_ratio: decided.network_ratio,
             device_ratio: decision.device_ratio,
             bounds: words(&decision.bounds),
+            absent: decided.absent.clone(),
             parts: decision.parts.iter().map(PartReport::new).collect(),
             explanation: decision.to_string(),
         }

@@ -1,12 +1,13 @@
 //! The figure of an item: the character without geometry, clips and large pictures.
 
+use super::part::PIXEL;
 use crate::error::Result;
 use crate::open::GltfSource;
 use articula_core::Articulation;
 use articula_core::source::{
     Channel, Character, Image, Interpolation, Primitive, Property, RawClip, RawMesh, Skeleton,
 };
-use articula_flat::{Averaging, Picture};
+use articula_flat::{Averaging, Picture, PictureError};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, MeshGeometry, placeholder};
 use glam::{Vec2, Vec3, Vec4};
@@ -105,10 +106,14 @@ pub(super) fn averaging(holds_colors: bool) -> Averaging {
     }
 }
 
-fn pixel_of(image: &Image, averaging: Averaging) -> Result<Vec<u8>, articula_flat::PictureError> {
-    Picture::decode(&image.bytes)?
-        .resized((1, 1), averaging)?
-        .to_small_png()
+fn pixel_of(image: &Image, averaging: Averaging) -> Result<Vec<u8>, PictureError> {
+    pixel(&Picture::decode(&image.bytes)?, averaging)
+}
+
+/// The pixel that stands for a picture.
+pub(super) fn pixel(picture: &Picture, averaging: Averaging) -> Result<Vec<u8>, PictureError> {
+    let [width, height] = PIXEL;
+    picture.resized((width, height), averaging)?.to_small_png()
 }
 
 /// A clip of one key for each joint that a reader takes for one because clips move it.

@@ -4,7 +4,7 @@ use super::check;
 use super::governed::{Governed, numbers_of_regions};
 use super::manifest::{Manifest, VERSION};
 use super::name::check_name;
-use super::part::{ItemLayer, ItemPart, PartKind};
+use super::part::{ItemLayer, ItemPart};
 use super::sent::FileEntry;
 use crate::clip_streams::unit_tree;
 use crate::error::{Context, Error, Result};
@@ -199,23 +199,32 @@ impl Item {
     /// # Errors
     /// [`Error::Argument`] with the names that there are, if one does not exist.
     pub fn with_clips(&self, names: &[String]) -> Result<Self> {
-        let mut made = self.clone();
         if names.is_empty() {
-            return Ok(made);
+            return Ok(self.clone());
         }
-        let is_motion =
-            |part: &&ItemPart| matches!(part.kind, PartKind::BodyMotion | PartKind::FaceMotion);
-        let motions = || self.manifest.parts.iter().filter(is_motion);
+        let parts = || self.manifest.parts.iter();
+        let motions = || parts().filter(|part| part.kind.is_motion());
         for name in names {
             choose("clip", name, motions().map(|part| part.name.as_str()))?;
         }
-        let others = motions().filter(|part| !names.contains(&part.name));
+        let stays = |part: &ItemPart| !part.kind.is_motion() || names.contains(&part.name);
+        let stay: Vec<bool> = parts().map(stays).collect();
+        Ok(self.with_parts(&stay))
+    }
+
+    /// Returns the item with some of its parts alone.
+    #[must_use]
+    pub(super) fn with_parts(&self, stay: &[bool]) -> Self {
+        let mut made = self.clone();
+        let others = self.manifest.parts.iter().zip(stay);
+        let others = others.filter(|(_, stays)| !**stays).map(|(part, _)| part);
         for file in others.flat_map(|part| part.file.iter().chain(&part.index)) {
             made.remove(file);
         }
-        let stays = |part: &ItemPart| !is_motion(&part) || names.contains(&part.name);
-        made.manifest.parts.retain(stays);
-        Ok(made)
+        let mut stay = stay.iter();
+        let mut stays = |_: &ItemPart| stay.next() != Some(&false);
+        made.manifest.parts.retain(&mut stays);
+        made
     }
 
     /// Removes a file and what is said of it.

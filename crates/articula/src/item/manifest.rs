@@ -1,6 +1,7 @@
 //! The manifest of an item.
 
-use super::part::ItemPart;
+use super::adapt::ItemCut;
+use super::part::{ItemPart, PartKind};
 use super::sent::FileEntry;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -121,6 +122,32 @@ impl Manifest {
                     .map_or(0, |(_, bytes)| bytes)
             }
         }
+    }
+
+    /// Whether a part comes with these of its layers. A motion without a layer stays out, and comes with the
+    /// layers of a later choice; the first motion of the body is there from the beginning, be it at rest.
+    pub(super) fn has_part(&self, part: usize, kept: &[bool]) -> bool {
+        let Some(of) = self.parts.get(part) else {
+            return false;
+        };
+        let can_come_later = of.kind.is_motion() && !of.layers.is_empty();
+        !can_come_later || kept.contains(&true) || self.first_motion() == Some(part)
+    }
+
+    /// Returns the names of the motions that a cut does not have.
+    pub fn absent(&self, cut: &ItemCut) -> Vec<String> {
+        let ItemCut::Layers { kept, .. } = cut else {
+            return Vec::new();
+        };
+        let parts = self.parts.iter().zip(kept).enumerate();
+        let absent = parts.filter(|(index, (_, kept))| !self.has_part(*index, kept));
+        absent.map(|(_, (part, _))| part.name.clone()).collect()
+    }
+
+    /// The first motion of the body.
+    pub(super) fn first_motion(&self) -> Option<usize> {
+        let is_body = |part: &ItemPart| part.kind == PartKind::BodyMotion;
+        self.parts.iter().position(is_body)
     }
 
     /// Writes the manifest as JSON, on one line: clients fetch it first.

@@ -17,6 +17,17 @@ pub enum PartKind {
     Texture,
 }
 
+/// Size of a picture that the figure has in place of one of the character: the smallest size of a texture,
+/// which needs no file.
+pub(super) const PIXEL: [u32; 2] = [1, 1];
+
+impl PartKind {
+    /// Whether it is a motion, of the body or of the face.
+    pub fn is_motion(self) -> bool {
+        matches!(self, Self::BodyMotion | Self::FaceMotion)
+    }
+}
+
 /// A part of an item: its layers are sent or left out.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ItemPart {
@@ -106,7 +117,7 @@ pub struct ItemLayer {
     /// Number of vertices that they use.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vertices: Option<u64>,
-    /// Of a texture: the file.
+    /// Of a texture: the file; `None` for its mean colour, which the figure has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
     /// Of a texture: width and height in pixels.

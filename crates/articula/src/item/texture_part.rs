@@ -1,19 +1,22 @@
-//! Textures of an item: each picture at several sizes, with the error of each in the same render.
+//! Textures of an item: each picture at several sizes, with the error of each in the same render. The
+//! smallest is the mean colour, the pixel that the figure has of it.
 //!
 //! Definition of the errors: `docs/metrics.md`.
 
-use super::figure::{StrippedFigure, averaging};
+use super::figure::{StrippedFigure, averaging, pixel};
 use super::files::NewFiles;
 use super::name::Names;
 use super::options::PackageOptions;
-use super::part::{ItemLayer, ItemPart, PartKind, TextureView};
+use super::part::{ItemLayer, ItemPart, PIXEL, PartKind, TextureView};
 use crate::error::Result;
 use crate::facing::facing;
 use crate::figure::Figure;
 use crate::work::Executor;
 use articula_core::source::Image;
 use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport};
-use articula_flat::{Appearance, Bounds, Picture, Projection, RenderOptions, equal_shift, render};
+use articula_flat::{
+    Appearance, Averaging, Bounds, Picture, Projection, RenderOptions, equal_shift, render,
+};
 use glam::{Vec2, Vec3};
 
 /// Longest side of a picture that is rendered, in pixels; nearer views are of lower resolution.
@@ -25,8 +28,27 @@ const MARGIN_PX: f32 = 4.0;
 struct Sizes {
     image: usize,
     picture: Picture,
-    /// Files with width and height, the smallest first.
+    /// Files with width and height, the smallest first: the one that the figure holds.
     files: Vec<(Vec<u8>, [u32; 2])>,
+}
+
+impl Sizes {
+    /// The sizes of a picture, the largest first, with the pixel of its mean colour.
+    fn new(
+        image: usize,
+        picture: Picture,
+        mut files: Vec<(Vec<u8>, [u32; 2])>,
+        averaging: Averaging,
+    ) -> Result<Self> {
+        files.retain(|(_, size)| *size != PIXEL);
+        files.push((pixel(&picture, averaging)?, PIXEL));
+        files.reverse();
+        Ok(Self {
+            image,
+            picture,
+            files,
+        })
+    }
 }
 
 /// Textures, and which could not be made.
@@ -117,15 +139,10 @@ fn sizes(
             files.push((bytes, [width, height]));
         }
     }
-    files.reverse();
-    Ok(Sizes {
-        image,
-        picture,
-        files,
-    })
+    Sizes::new(image, picture, files, averaging(holds_colors))
 }
 
-/// The smallest size alone, or the original if that needs fewer bytes.
+/// The smallest size, or the original if that needs fewer bytes, and the mean colour.
 fn smallest(
     image: usize,
     original: &Image,
@@ -141,11 +158,7 @@ fn smallest(
             file = (bytes, [width, height]);
         }
     }
-    Ok(Sizes {
-        image,
-        picture,
-        files: vec![file],
-    })
+    Sizes::new(image, picture, vec![file], averaging(holds_colors))
 }
 
 /// Sizes of half the width and height of the one before, from a picture on.
@@ -198,7 +211,8 @@ fn part(
             _ => "webp",
         };
         let longer = width.max(height);
-        let file = format!("textures/{stem}-{longer}.{extension}");
+        let is_in_figure = [width, height] == PIXEL;
+        let file = (!is_in_figure).then(|| format!("textures/{stem}-{longer}.{extension}"));
         // A texel of the whole texture, at this size.
         let scale = f64::from(original.width()) / f64::from(width);
         let texel_m = texel_m.map(|texel| texel * scale);
@@ -213,9 +227,12 @@ fn part(
         let errors = of_size.iter().map(|view| view.error_px / view.px_per_metre);
         layers.push(ItemLayer {
             name: format!("{width} x {height}"),
-            bytes: files.put(&file, bytes)?,
+            bytes: match &file {
+                Some(file) => files.put(file, bytes)?,
+                None => 0,
+            },
             error_m: errors.fold(0.0, f64::max),
-            file: Some(file),
+            file,
             size_px: Some([width, height]),
             texel_m,
             views: of_size,

@@ -63,7 +63,8 @@ impl Manifest {
     /// common and its kept layers, the largest kept size of each texture, and the files that are carried
     /// whole; of a form in 2D that form and these files.
     ///
-    /// A motion of which no layer is kept is not needed at all, and is one that may come later. Regions
+    /// A motion of which no layer is kept is not needed, and may come later; of the first motion of the body
+    /// what all layers have in common is needed always. Regions
     /// that the cut leaves out are among the bytes of the layers, which the manifest does not tell apart.
     ///
     /// # Errors
@@ -86,8 +87,10 @@ impl Manifest {
                 if kept.len() != self.parts.len() || !self.parts.iter().zip(kept).all(are_all) {
                     return Err(other());
                 }
-                for (part, kept) in self.parts.iter().zip(kept) {
-                    part.add_wanted(kept, &mut wanted);
+                for (part, kept) in kept.iter().enumerate() {
+                    if self.has_part(part, kept) {
+                        self.parts[part].add_wanted(kept, &mut wanted);
+                    }
                 }
             }
         }
@@ -104,10 +107,6 @@ impl ItemPart {
             return;
         }
         let Some(file) = &self.file else { return };
-        let is_motion = matches!(self.kind, PartKind::BodyMotion | PartKind::FaceMotion);
-        if is_motion && !self.layers.is_empty() && !kept.contains(&true) {
-            return;
-        }
         if self.comes_whole() {
             return wanted.add_whole(file, self.bytes);
         }

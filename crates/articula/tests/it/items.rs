@@ -382,10 +382,16 @@ fn check_textures(opened: &CharacterFile) {
         for pair in texture.layers.windows(2) {
             assert!(pair[0].bytes < pair[1].bytes && pair[0].size_px < pair[1].size_px);
         }
+        let mean = &texture.layers[0];
+        assert_eq!((mean.bytes, mean.size_px), (0, Some([1, 1])));
         for layer in &texture.layers {
-            let file = item.file(layer.file.as_ref().unwrap()).unwrap();
-            let picture = Picture::decode(file).unwrap();
-            assert_eq!(Some([picture.width(), picture.height()]), layer.size_px);
+            match &layer.file {
+                Some(file) => {
+                    let picture = Picture::decode(item.file(file).unwrap()).unwrap();
+                    assert_eq!(Some([picture.width(), picture.height()]), layer.size_px);
+                }
+                None => assert_eq!(layer, mean),
+            }
             for view in &layer.views {
                 // Both are rounded up to four digits.
                 let bound = layer.error_m * view.px_per_metre;

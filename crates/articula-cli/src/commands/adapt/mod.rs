@@ -121,7 +121,7 @@ pub(crate) fn run(args: &AdaptArgs, console: &Console) -> anyhow::Result<()> {
     let cut_secs = start.elapsed().as_secs_f64();
     let report = AdaptReport::new(
         files::shown(&args.item),
-        (&whole, &adapted),
+        (&whole, &item, &adapted),
         &decided,
         args.engine,
         [decided_secs, cut_secs],

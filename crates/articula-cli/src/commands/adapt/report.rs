@@ -87,7 +87,7 @@ struct StreamReport {
 impl AdaptReport {
     pub(crate) fn new(
         name: String,
-        (item, adapted): (&Item, &AdaptedItem),
+        (item, asked, adapted): (&Item, &Item, &AdaptedItem),
         decided: &Decided,
         engine: Engine,
         [decide_seconds, cut_seconds]: [f64; 2],
@@ -117,7 +117,9 @@ impl AdaptReport {
             },
             decision: match decided {
                 Decided::Jointly(joint) => DecisionReport::of_choice(joint, adapted),
-                Decided::ByTable(table, _) => DecisionReport::of_table(table, adapted),
+                Decided::ByTable(table, cut) => {
+                    DecisionReport::of_table(table, adapted, asked.manifest.absent(cut))
+                }
             },
             streams: streams.collect(),
             bytes_in: item.sent_bytes(),
@@ -139,6 +141,15 @@ impl AdaptReport {
                 stream.bytes_in.to_string(),
                 stream.bytes_out.to_string(),
             ]);
+        }
+        if !self.decision.absent.is_empty() {
+            let names: Vec<String> = self
+                .decision
+                .absent
+                .iter()
+                .map(|name| clean(name))
+                .collect();
+            text.push_str(&format!("not sent: {}\n", names.join(", ")));
         }
         text.push('\n');
         text.push_str(&table.text());

@@ -32,6 +32,8 @@ pub struct ItemDecision {
     pub parts: ItemParts,
     /// What is kept of the item; `None` if nothing fits.
     pub cut: Option<ItemCut>,
+    /// Motions that are not sent, as no layer of them is kept.
+    pub absent: Vec<String>,
     /// Bytes that are sent whatever is chosen: the figure, and files that are carried whole.
     pub bytes_always: u64,
     /// Bytes that may be sent in all; `None` without a bound.
@@ -157,6 +159,7 @@ pub(super) fn decide_among(
         decision.request.budget.bytes = allowed.saturating_sub(whole);
     }
     let cut = kept_of(item, &parts, &decision.outcome, regions);
+    let absent = cut.as_ref().map(|cut| item.manifest.absent(cut));
     let least_bytes = match decision.outcome {
         Outcome::Nothing => least_bytes(item, &decision, &capabilities, bytes_always),
         _ => None,
@@ -168,6 +171,7 @@ pub(super) fn decide_among(
         decision,
         parts,
         cut,
+        absent: absent.unwrap_or_default(),
         bytes_always,
         bytes_allowed: (allowed < UNBOUNDED).then_some(allowed),
         network_ratio: network.map(|n| n.ratio()),

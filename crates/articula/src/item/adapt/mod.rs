@@ -78,7 +78,8 @@ impl AdaptedItem {
     }
 }
 
-/// Cuts an item, by its unit indices alone.
+/// Cuts an item, by its unit indices alone. Motions without a kept layer are not in what is made, but for
+/// the first of the body, which rests then: a client that wants one fetches its layers later.
 ///
 /// # Errors
 /// An [`Error`] if the cut is of another item, or an index does not belong to its stream.
@@ -135,11 +136,14 @@ fn adapted(
             let item = regions.applied(item)?.without_flat();
             let names = item.manifest.parts.iter().map(|p| (p.kind, &p.name));
             let of: BTreeMap<_, _> = names.zip(kept).collect();
+            let numbered = kept.iter().enumerate();
+            let stay = numbered.map(|(part, kept)| item.manifest.has_part(part, kept));
+            let sent = item.with_parts(&stay.collect::<Vec<_>>());
             let keeps = |part: &ItemPart, layer: usize| {
                 let kept = of.get(&(part.kind, &part.name));
                 kept.is_some_and(|kept| kept.get(layer) == Some(&true))
             };
-            Ok(AdaptedItem::Layers(kept_of(&item, &keeps)?))
+            Ok(AdaptedItem::Layers(kept_of(&sent, &keeps)?))
         }
     }
 }

@@ -38,7 +38,7 @@ fn place(layer: &ItemLayer) -> Place {
 /// A way to send a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Cut {
-    /// Its layer; `None` for a motion that is held.
+    /// Its layer; `None` for a motion that is not sent, or whose first pose is held.
     layer: Option<usize>,
     place: Option<Place>,
     bytes: u64,
@@ -61,12 +61,17 @@ struct Motion<'a> {
 }
 
 impl<'a> Motion<'a> {
-    /// All cuts up to a finest tier; a motion whose error at rest is known may be held.
-    fn new(index: usize, part: &'a ItemPart, (finest_tier, targets): (u32, u64)) -> Self {
+    /// All cuts up to a finest tier; a motion whose error at rest is known may be left out, and costs nothing
+    /// then, or if it is the `first` of all, at rest.
+    fn new(
+        (index, part): (usize, &'a ItemPart),
+        is_first: bool,
+        (finest_tier, targets): (u32, u64),
+    ) -> Self {
         let held = part.base_error_m.map(|error_m| Cut {
             layer: None,
             place: None,
-            bytes: part.base_bytes,
+            bytes: if is_first { part.base_bytes } else { 0 },
             error_m,
             joints: 0,
             memory: 0,
@@ -115,8 +120,11 @@ impl<'a> Motion<'a> {
 /// The options of some motions: each level of articulation and tier for all of them, none of their
 /// layers, and for each greatest error the fewest bytes. None is worse than another that costs no
 /// more and has no higher level of articulation.
+///
+/// A motion without a layer is left out; `first` is there all the same, at rest.
 pub(super) fn options(
     parts: Vec<(usize, &ItemPart)>,
+    first: Option<usize>,
     (finest_tier, morph_targets): (u32, u64),
     cost: Cost,
 ) -> Vec<OptionOfPart> {
@@ -125,7 +133,10 @@ pub(super) fn options(
     let finest = finest_tier.min(coarsest);
     let motions: Vec<Motion<'_>> = parts
         .into_iter()
-        .map(|(index, part)| Motion::new(index, part, (finest, morph_targets)))
+        .map(|(index, part)| {
+            let is_first = first == Some(index);
+            Motion::new((index, part), is_first, (finest, morph_targets))
+        })
         .collect();
     if motions.is_empty() {
         return Vec::new();
@@ -251,7 +262,8 @@ fn option(motions: &[Motion<'_>], mix: &[Cut], cost: Cost) -> OptionOfPart {
 /// One level and tier, those of each of a few motions, or the range of many.
 fn name(motions: &[Motion<'_>], mix: &[Cut]) -> String {
     let of = |cut: &Cut| match cut.place {
-        None => "held".to_owned(),
+        None if cut.bytes > 0 => "at rest".to_owned(),
+        None => "left out".to_owned(),
         Some((loa, tier)) => format!("loa {loa}, tier {tier}"),
     };
     let names: BTreeSet<String> = mix.iter().map(of).collect();
@@ -261,6 +273,7 @@ fn name(motions: &[Motion<'_>], mix: &[Cut]) -> String {
         (least, _) => least.unwrap_or(0).to_string(),
     };
     let tiers = || mix.iter().filter_map(|cut| cut.place).map(|(_, tier)| tier);
+    let resting = mix.iter().filter(|cut| cut.place.is_none()).count();
     match names.len() {
         1 => names.into_iter().next().unwrap_or_default(),
         _ if motions.len() <= MOST_NAMED => {
@@ -268,11 +281,18 @@ fn name(motions: &[Motion<'_>], mix: &[Cut]) -> String {
             let each = pairs.map(|(motion, cut)| format!("{} {}", motion.part.name, of(cut)));
             each.collect::<Vec<_>>().join("; ")
         }
-        _ => format!(
-            "by clip: loa {}, tier {}",
-            range(loas().min(), loas().max()),
-            range(tiers().min(), tiers().max())
-        ),
+        _ if resting == motions.len() => format!("one at rest, {} left out", resting - 1),
+        _ => {
+            let resting = match resting {
+                0 => String::new(),
+                some => format!(", {some} without motion"),
+            };
+            format!(
+                "by clip: loa {}, tier {}{resting}",
+                range(loas().min(), loas().max()),
+                range(tiers().min(), tiers().max())
+            )
+        }
     }
 }
 
@@ -303,7 +323,7 @@ mod tests {
 
     fn found(parts: &[ItemPart]) -> Vec<OptionOfPart> {
         let parts = parts.iter().enumerate().collect();
-        options(parts, (0, 0), Cost::per_ms(None))
+        options(parts, Some(0), (0, 0), Cost::per_ms(None))
     }
 
     #[test]
@@ -326,8 +346,25 @@ mod tests {
     }
 
     #[test]
+    fn a_clip_without_a_layer_costs_nothing_but_for_the_first() {
+        let layers = [(1, 0, 100, 0.5)];
+        let options = found(&[motion("a", &layers), motion("b", &layers)]);
+        let least = options.iter().min_by_key(|o| o.option.bytes_once).unwrap();
+        assert_eq!(
+            (&*least.option.name, least.option.bytes_once),
+            ("a at rest; b left out", 10)
+        );
+        // It shows the rest pose where the clip is wanted.
+        assert_eq!(least.option.error_m, 1.0);
+        let both = options
+            .iter()
+            .min_by(|a, b| a.option.error_m.total_cmp(&b.option.error_m));
+        assert_eq!(both.unwrap().option.bytes_once, 220);
+    }
+
+    #[test]
     fn each_clip_has_its_own_level_and_tier() {
-        // Held, `idle` is off by little; `jump` needs all of its bytes.
+        // At rest, `idle` is off by little; `jump` needs all of its bytes.
         let mut idle = motion("idle", &[(1, 1, 500, 0.004), (1, 0, 500, 0.001)]);
         idle.base_error_m = Some(0.02);
         let jump = motion("jump", &[(1, 1, 300, 0.05), (1, 0, 300, 0.015)]);
@@ -335,7 +372,7 @@ mod tests {
         let best = options.iter().filter(|o| o.option.error_m <= 0.02);
         let best = best.min_by_key(|o| o.option.bytes_once).unwrap();
         assert_eq!((best.option.bytes_once, best.option.error_m), (620, 0.02));
-        assert_eq!(best.option.name, "idle held; jump loa 1, tier 0");
+        assert_eq!(best.option.name, "idle at rest; jump loa 1, tier 0");
         assert!(!best.is_even);
         assert_eq!(
             best.layers,

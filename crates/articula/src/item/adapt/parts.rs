@@ -61,9 +61,10 @@ impl ItemParts {
         let faps = motion::Cost::per_ms(terminal.faps_per_ms);
         let targets = item.manifest.figure.morph_targets;
         let finest = (options.finest_tier, targets);
-        let bodies = motion::options(of_kind(ItemKind::BodyMotion), finest, joints);
+        let first = item.manifest.first_motion();
+        let bodies = motion::options(of_kind(ItemKind::BodyMotion), first, finest, joints);
         made.add("body", PartKind::BodyMotion, bodies, scope);
-        let faces = motion::options(of_kind(ItemKind::FaceMotion), finest, faps);
+        let faces = motion::options(of_kind(ItemKind::FaceMotion), None, finest, faps);
         made.add("face", PartKind::FaceMotion, faces, scope);
         let meshes: Vec<_> = of_kind(ItemKind::Mesh);
         for (index, part) in meshes {

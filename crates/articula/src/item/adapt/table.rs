@@ -253,9 +253,11 @@ impl Selected<'_> {
 
     /// Bytes that are sent with these layers.
     fn bytes(&self, kept: &[Vec<bool>]) -> u64 {
-        let parts = self.item.manifest.parts.iter().zip(kept);
+        let manifest = &self.item.manifest;
+        let parts = manifest.parts.iter().zip(kept).enumerate();
+        let sent = parts.filter(|(index, (_, kept))| manifest.has_part(*index, kept));
         // A texture without a size leaves the item.
-        let bytes = parts.map(|(part, kept)| part.bytes_of(kept));
+        let bytes = sent.map(|(_, (part, kept))| part.bytes_of(kept));
         bytes.fold(self.choice.bytes_always, u64::saturating_add)
     }
 

@@ -38,7 +38,10 @@ fn option(
     pixels_per_metre: f64,
 ) -> OptionOfPart {
     let mut option = PartOption {
-        name: format!("{size} px"),
+        name: match size {
+            0 | 1 => "mean colour".to_owned(),
+            _ => format!("{size} px"),
+        },
         level,
         ..PartOption::default()
     };

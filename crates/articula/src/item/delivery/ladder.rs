@@ -122,7 +122,7 @@ fn add(item: &Item, levels: &mut Vec<Kept>, mut kept: Kept) {
 
 /// Whether a part is a motion.
 pub(crate) fn is_motion(part: &ItemPart) -> bool {
-    matches!(part.kind, PartKind::BodyMotion | PartKind::FaceMotion)
+    part.kind.is_motion()
 }
 
 /// The longer side of the largest size among some layers of a texture; 0 without one.

@@ -3,7 +3,6 @@
 use super::options::TraceOptions;
 use crate::error::{Context, Error, Result};
 use crate::item::files::Item;
-use crate::item::part::PartKind;
 use articula_stream::StreamLimits;
 use articula_stream::abp2::MotionHead;
 use std::ops::Range;
@@ -58,9 +57,8 @@ impl Timeline {
     pub(super) fn of(item: &Item, options: &TraceOptions) -> Result<Self> {
         let mut motions = Vec::new();
         for (index, part) in item.manifest.parts.iter().enumerate() {
-            let is_motion = matches!(part.kind, PartKind::BodyMotion | PartKind::FaceMotion);
             let stream = part.file.as_deref().and_then(|file| item.file(file));
-            if let (true, Some(stream)) = (is_motion, stream) {
+            if let (true, Some(stream)) = (part.kind.is_motion(), stream) {
                 let head = MotionHead::open(stream, &StreamLimits::default());
                 let head = head.with_context(|| part.file.clone().unwrap_or_default())?;
                 let all = std::iter::once(0..head.frames);
