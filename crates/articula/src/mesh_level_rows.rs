@@ -20,7 +20,7 @@ pub struct MeshLevelRow {
     pub error_motion_p99_m: Option<f32>,
     /// Mean over the surface and poses.
     pub error_motion_mean_m: Option<f32>,
-    /// Bytes of this level coded alone.
+    /// Bytes of this level coded alone; 0 if it was not.
     pub bytes_direct: usize,
     /// Bytes that this level adds to the next coarser one in the stream.
     pub bytes_added: usize,
@@ -55,7 +55,7 @@ impl CodedMeshLevels {
             error_motion_m: finite(row.motion.max_metres),
             error_motion_p99_m: finite(row.motion.p99_metres),
             error_motion_mean_m: finite(row.motion.mean_metres),
-            bytes_direct: self.stream.direct[l],
+            bytes_direct: self.stream.direct.get(l).copied().unwrap_or(0),
             bytes_added: self.stream.chunks[l],
             ranges: objects().map(|o| o.clusters.ranges(l).count()).sum(),
         })

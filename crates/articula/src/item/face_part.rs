@@ -1,7 +1,7 @@
 //! Motions of the face of an item: AFP-2 streams by level and tier, with their errors on this head.
 
 use super::files::NewFiles;
-use super::motion_error::measured;
+use super::motion_error::{MOST_FRAMES, measured, measured_frames};
 use super::motion_part::{keep, kept, needs, region_entries, without_units};
 use super::options::FaceMotion;
 use super::part::{ItemLayer, ItemPart, PartKind};
@@ -57,7 +57,8 @@ pub(super) fn part(
     };
     let truth = on_head(figure, &motion.clip, &motion.file)?;
     let clips = work.map("showing faces", cuts.iter().collect(), shown)?;
-    let (errors, frames) = measured(&figure.asset, &truth, &clips, work)?;
+    let frames = measured_frames(&truth, MOST_FRAMES);
+    let errors = measured(&figure.asset, (&truth, &frames), &clips, work)?;
     let (of_grid, of_regions) = errors[1..].split_at(grid.len());
     let mut layers: Vec<ItemLayer> = Vec::with_capacity(grid.len());
     for (i, ((loa, tier), error)) in grid.iter().zip(of_grid).enumerate() {
@@ -77,7 +78,7 @@ pub(super) fn part(
         base_error_m: Some(errors[0].max_metres),
         duration_secs: Some(f64::from(truth.duration_secs())),
         rate_hz: Some(f64::from(head.rate_hz)),
-        frames_measured: Some(frames as u64),
+        frames_measured: Some(frames.len() as u64),
         layers,
         regions,
         ..ItemPart::new(stem, PartKind::FaceMotion)

@@ -11,7 +11,7 @@ use articula_core::{
 use glam::{Affine3A, Vec3};
 
 /// Most frames that are measured; of a longer clip, every n-th.
-const MOST_FRAMES: usize = 600;
+pub(super) const MOST_FRAMES: usize = 600;
 /// Frames of one job.
 const FRAMES: usize = 16;
 
@@ -24,24 +24,28 @@ pub(super) struct MotionError {
     pub(super) mean_metres: f64,
 }
 
-/// Measures clips against another one, at the times of its frames. Returns the errors, and the number
-/// of frames that were measured. There is one job for every few frames. Equal clips, such as those of
-/// layers without bytes, are measured once.
+/// The frames of a clip that are measured: about `most`, evenly spread.
+pub(super) fn measured_frames(clip: &Clip, most: usize) -> Vec<usize> {
+    let every = clip.frames().div_ceil(most).max(1);
+    // The last frame counts too.
+    let last = clip.frames().saturating_sub(1);
+    let mut frames: Vec<usize> = (0..clip.frames()).step_by(every).collect();
+    if frames.last() != Some(&last) {
+        frames.push(last);
+    }
+    frames
+}
+
+/// Measures clips against another one, at the times of some of its frames. There is one job for every few
+/// frames. Equal clips, such as those of layers without bytes, are measured once.
 ///
 /// O(frames x different clips x vertices).
 pub(super) fn measured(
     asset: &Asset,
-    truth: &Clip,
+    (truth, frames): (&Clip, &[usize]),
     clips: &[Clip],
     work: &Executor<'_>,
-) -> Result<(Vec<MotionError>, usize)> {
-    let every = truth.frames().div_ceil(MOST_FRAMES).max(1);
-    // The last frame counts too.
-    let last = truth.frames().saturating_sub(1);
-    let mut frames: Vec<usize> = (0..truth.frames()).step_by(every).collect();
-    if frames.last() != Some(&last) {
-        frames.push(last);
-    }
+) -> Result<Vec<MotionError>> {
     let (different, places) = different(clips);
     let jobs = frames.chunks(FRAMES).map(<[usize]>::to_vec).collect();
     let skin = GroupedSkin::new(&asset.mesh);
@@ -65,7 +69,7 @@ pub(super) fn measured(
             mean_metres: of_clip.map(|e| e.mean_metres).sum::<f64>() / count,
         }
     };
-    Ok((places.into_iter().map(total).collect(), frames.len()))
+    Ok(places.into_iter().map(total).collect())
 }
 
 /// Different clips, and the place among them of each given one.

@@ -1,7 +1,7 @@
 //! Motions of an item: ABP-2 streams by level of articulation, region and tier.
 
 use super::files::NewFiles;
-use super::motion_error::{MotionError, measured};
+use super::motion_error::{MOST_FRAMES, MotionError, measured, measured_frames};
 use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
 use crate::clip_streams::abp2::{decode, write};
 use crate::clip_streams::region_name;
@@ -14,12 +14,15 @@ use articula_stream::abp2::{Grouping, MotionHead, MotionOptions};
 use articula_stream::{Cut, StreamLimits, Unit, cut};
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Most frames that the base is measured on. All that are there are measured with the whole of the motion.
+const MOST_FRAMES_OF_BASE: usize = 96;
+
 /// A clip as a stream whose cuts are not measured yet.
 pub(super) struct CodedMotion {
     clip: usize,
     file: String,
     stream: Cut,
-    /// Errors that were measured with the base, by the bytes of the cut.
+    /// Errors that were measured with the base, if that was on all frames, by the bytes of the cut.
     known: BTreeMap<Vec<u8>, MotionError>,
 }
 
@@ -66,6 +69,7 @@ impl CodedMotion {
             tiers: (0..head.tiers).rev().collect(),
             regions: regions(&head),
             face_levels: face_levels(&head),
+            frames: measured_frames(&figure.asset.clips[self.clip], MOST_FRAMES),
         };
         let mut known = self.known;
         let coded = (self.clip, &*self.file, self.stream);
@@ -83,14 +87,23 @@ impl CodedMotion {
         let coarsest = head.tiers.saturating_sub(1);
         let is_kept = |unit: &Unit| unit.marker("tier").is_none_or(|t| t as usize >= coarsest);
         let stream = cut(&self.stream.bytes, &self.stream.unit, is_kept)?;
+        let clip = &figure.asset.clips[self.clip];
+        let frames = measured_frames(clip, MOST_FRAMES_OF_BASE);
+        let are_all = frames == measured_frames(clip, MOST_FRAMES);
         let cuts = Cuts {
             levels: levels(&head),
             tiers: vec![coarsest],
             regions: BTreeSet::new(),
             face_levels: Vec::new(),
+            frames,
         };
         let coded = (self.clip, &*self.file, stream);
-        cuts.part(figure, coded, &mut self.known, files, work)
+        let mut known = BTreeMap::new();
+        let part = cuts.part(figure, coded, &mut known, files, work)?;
+        if are_all {
+            self.known = known;
+        }
+        Ok(part)
     }
 }
 
@@ -102,6 +115,8 @@ struct Cuts {
     tiers: Vec<usize>,
     regions: BTreeSet<u8>,
     face_levels: Vec<u8>,
+    /// Frames that they are measured on.
+    frames: Vec<usize>,
 }
 
 impl Cuts {
@@ -143,7 +158,7 @@ impl Cuts {
             .filter(|cut| !known.contains_key(*cut))
             .collect();
         let clips: Vec<Clip> = new.iter().map(|cut| decoded(cut)).collect::<Result<_>>()?;
-        let (errors, frames) = measured(&figure.asset, truth, &clips, work)?;
+        let errors = measured(&figure.asset, (truth, &self.frames), &clips, work)?;
         known.extend(new.into_iter().cloned().zip(errors));
         let errors: Vec<MotionError> = cuts.iter().map(|cut| known[cut]).collect();
         let (of_grid, without) = errors[1..].split_at(grid.len());
@@ -174,7 +189,7 @@ impl Cuts {
             base_error_m: Some(errors[0].max_metres),
             duration_secs: Some(f64::from(truth.duration_secs())),
             rate_hz: Some(f64::from(truth.rate_hz())),
-            frames_measured: Some(frames as u64),
+            frames_measured: Some(self.frames.len() as u64),
             layers,
             regions,
             face_levels: face_levels.collect(),

@@ -86,6 +86,7 @@ impl PackageOptions {
             split: self.split.clone(),
             // What a client decodes is measured again.
             full_every: 4,
+            sizes_alone: false,
             // The coarsest level is most of the least that an item can be cut to.
             halvings: 3,
             ..MeshLevelOptions::levels(self.mesh_levels.clamp(1, 16))

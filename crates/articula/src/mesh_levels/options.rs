@@ -45,6 +45,8 @@ pub struct MeshLevelOptions {
     /// Of each so many poses the first is measured in full: means and percentiles of errors in motion are
     /// those of these poses, maxima of all.
     pub full_every: usize,
+    /// Whether each level is also coded alone, to compare sizes: as much work again as the stream.
+    pub sizes_alone: bool,
 }
 
 impl MeshLevelOptions {
@@ -62,6 +64,7 @@ impl MeshLevelOptions {
             keep_face: true,
             msft_lod: false,
             full_every: 1,
+            sizes_alone: true,
         }
     }
 

@@ -89,7 +89,12 @@ pub(crate) fn coded(
     let mut levels = mesh_levels(asset, &options)?;
     levels.table.regions = region_names(wanted);
     work.step(BUILDING, 1, 3)?;
-    let stream = stream::coded(figure, &levels, &options.simplify.regions)?;
+    let stream = stream::coded(
+        figure,
+        &levels,
+        &options.simplify.regions,
+        wanted.sizes_alone,
+    )?;
     work.step(BUILDING, 2, 3)?;
     let meshes = &figure.opened.character().meshes;
     let replaced =

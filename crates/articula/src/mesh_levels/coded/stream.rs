@@ -12,20 +12,26 @@ use articula_stream::mesh::{ObjectLevels, StreamObject, write};
 pub struct MeshLevelStream {
     /// The whole stream.
     pub bytes: Vec<u8>,
-    /// Size of each level coded alone in bytes, head included; finest first.
+    /// Size of each level coded alone in bytes, head included; finest first. Empty if it is not asked for.
     pub direct: Vec<usize>,
     /// Size of each level's chunks in the stream in bytes; finest first.
     pub chunks: Vec<usize>,
 }
 
-/// Codes all levels; `regions` is empty or has the region of each vertex of the character's mesh.
-pub(crate) fn coded(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Result<MeshLevelStream> {
+/// Codes all levels, and for `sizes_alone` each of them alone; `regions` is empty or has the region of each
+/// vertex of the character's mesh.
+pub(crate) fn coded(
+    figure: &Figure,
+    made: &MeshLevels,
+    regions: &[u8],
+    sizes_alone: bool,
+) -> Result<MeshLevelStream> {
     let objects = objects(figure, made, regions)?;
     let count = made.table.levels.len();
     let whole = write(&made.table, &objects, 0..count)?;
     let levels = whole.unit.children.iter().filter(|u| u.label == "level");
-    let mut direct = Vec::with_capacity(count);
-    for level in 0..count {
+    let mut direct = Vec::new();
+    for level in (0..count).filter(|_| sizes_alone) {
         let alone = write(&made.table, &objects, level..level + 1)?;
         direct.push(alone.bytes.len());
     }
