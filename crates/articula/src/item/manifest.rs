@@ -1,6 +1,5 @@
 //! The manifest of an item.
 
-use super::adapt::ItemCut;
 use super::part::{ItemPart, PartKind};
 use super::sent::FileEntry;
 use serde::{Deserialize, Serialize};
@@ -132,16 +131,6 @@ impl Manifest {
         };
         let can_come_later = of.kind.is_motion() && !of.layers.is_empty();
         !can_come_later || kept.contains(&true) || self.first_motion() == Some(part)
-    }
-
-    /// Returns the names of the motions that a cut does not have.
-    pub fn absent(&self, cut: &ItemCut) -> Vec<String> {
-        let ItemCut::Layers { kept, .. } = cut else {
-            return Vec::new();
-        };
-        let parts = self.parts.iter().zip(kept).enumerate();
-        let absent = parts.filter(|(index, (_, kept))| !self.has_part(*index, kept));
-        absent.map(|(_, (part, _))| part.name.clone()).collect()
     }
 
     /// The first motion of the body.

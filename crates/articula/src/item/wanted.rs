@@ -96,6 +96,16 @@ impl Manifest {
         }
         Ok(wanted)
     }
+
+    /// Returns the names of the motions that a cut does not have.
+    pub fn absent(&self, cut: &ItemCut) -> Vec<String> {
+        let ItemCut::Layers { kept, .. } = cut else {
+            return Vec::new();
+        };
+        let parts = self.parts.iter().zip(kept).enumerate();
+        let absent = parts.filter(|(index, (_, kept))| !self.has_part(*index, kept));
+        absent.map(|(_, (part, _))| part.name.clone()).collect()
+    }
 }
 
 impl ItemPart {
