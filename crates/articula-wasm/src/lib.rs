@@ -5,10 +5,10 @@
 //! packages characters of all formats, in a worker. The documentation of a class is that of its TypeScript
 //! declaration. `docs/web.md` describes both.
 //!
-//! - [`asset::Asset`]: an opened character; [`geometry::Geometry`]: the vertices of a mesh
-//! - [`figure::Figure`]: one character in motion; [`crowd::Crowd`]: many of one character
-//! - `tools`: what takes long
-//! - [`error::Fault`]: every call that can fail throws an `ArticulaError`
+//! - `asset::Asset`: an opened character; `geometry::Geometry`: the vertices of a mesh
+//! - `figure::Figure`: one character in motion; `crowd::Crowd`: many of one character
+//! - `tools::Tools`: what takes long
+//! - `error::Fault`: every call that can fail throws an `ArticulaError`
 //!
 //! What changes in every frame is not copied: methods whose names end in `_at` return byte offsets into the memory
 //! of the module. JavaScript makes its views there, so this crate has no unsafe code of its own.

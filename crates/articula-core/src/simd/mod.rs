@@ -240,7 +240,7 @@ pub(crate) trait WideKernel {
 }
 
 /// Runs a kernel on a backend, or on plain arrays where this machine lacks it. WebAssembly with vectors has no plain
-/// arrays, which would be a seventh of a module that plays.
+/// arrays, which would be 70 kB of a module.
 pub(crate) fn dispatch<K: Kernel>(backend: Backend, kernel: K) {
     match backend {
         #[cfg(target_arch = "x86_64")]
