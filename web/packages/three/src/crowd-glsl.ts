@@ -125,19 +125,19 @@ function body({ blended, fours, colors, morphs, morphTargets }: CrowdShape): str
     const four = Math.floor(i / 4);
     return `  articulaAdd(articulaPose, ${entriesOf(four)}.${component}, ${weightsOf(four)}.${component});`;
   });
-  const moves = (morphs?.targets ?? []).map(
-    (target, i) => /* glsl */ `
-  articulaWeight = articulaTexel(articulaMorphWeights, ${MORPH_SET} * ${morphTargets}u + ${target}u).x;
-  if (articulaWeight != 0.0) {
-    uint at = (${i * (morphs?.vertices ?? 0)}u + uint(gl_VertexID)) * 2u;
-    articulaPosition += articulaTexel(articulaDeltas, at).xyz * articulaWeight;
-    articulaNormal += articulaTexel(articulaDeltas, at + 1u).xyz * articulaWeight;
-  }`,
-  );
+  const moves = /* glsl */ `
+  for (uint i = 0u; i < ${morphs?.targets}u; i++) {
+    uint target = uint(articulaTexel(articulaDeltas, i).x);
+    float weight = articulaTexel(articulaMorphWeights, ${MORPH_SET} * ${morphTargets}u + target).x;
+    if (weight == 0.0) continue;
+    uint at = ${morphs?.targets}u + (i * ${morphs?.vertices}u + uint(gl_VertexID)) * 2u;
+    articulaPosition += articulaTexel(articulaDeltas, at).xyz * weight;
+    articulaNormal += articulaTexel(articulaDeltas, at + 1u).xyz * weight;
+  }`;
   return /* glsl */ `
   vec3 articulaPosition = position;
   vec3 articulaNormal = normal;
-  ${morphs === undefined ? '' : `float articulaWeight;\n${moves.join('\n')}`}
+  ${morphs === undefined ? '' : moves}
   ArticulaRows articulaPose = ArticulaRows(vec4(0.0), vec4(0.0), vec4(0.0));
 ${adds.join('\n')}
   ArticulaRows articulaWorld = articulaMatrix(articulaTransforms, ${character});

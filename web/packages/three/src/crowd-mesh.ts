@@ -139,27 +139,33 @@ function every<T extends Uint16Array | Float32Array>(all: T, influences: number,
   return all.filter((_, i) => Math.floor((i % influences) / 4) === four) as T;
 }
 
-/** Returns the deltas of the targets that move a vertex. */
+/** Returns the targets that move a vertex. */
 function morphsOf(mesh: Geometry): CrowdMorphs | undefined {
   const targets: number[] = [];
-  const deltas = new DataRows(4);
+  const moves: Float32Array[] = [];
   for (let target = 0; target < mesh.morphs(); target += 1) {
     const positions = mesh.morphPositions(target);
-    if (!positions) {
-      continue;
+    if (positions) {
+      targets.push(target);
+      moves.push(deltasOf(positions, mesh.morphNormals(target)));
     }
-    const normals = mesh.morphNormals(target);
-    const texels = new Float32Array(mesh.vertices * 8);
-    for (let vertex = 0; vertex < mesh.vertices; vertex += 1) {
-      texels.set(positions.subarray(vertex * 3, vertex * 3 + 3), vertex * 8);
-      texels.set(normals?.subarray(vertex * 3, vertex * 3 + 3) ?? [], vertex * 8 + 4);
-    }
-    deltas.write(texels, targets.length * texels.length);
-    targets.push(target);
   }
   if (targets.length === 0) {
-    deltas.dispose();
     return undefined;
   }
-  return { deltas, targets, vertices: mesh.vertices };
+  const deltas = new DataRows(4);
+  deltas.write(Float32Array.from(targets.flatMap((target) => [target, 0, 0, 0])));
+  moves.forEach((move, i) => deltas.write(move, targets.length * 4 + i * move.length));
+  return { deltas, targets: targets.length, vertices: mesh.vertices };
+}
+
+/** Two texels for each vertex: what its position and its normal are moved by. */
+function deltasOf(positions: Float32Array, normals: Float32Array | undefined): Float32Array {
+  const vertices = positions.length / 3;
+  const texels = new Float32Array(vertices * 8);
+  for (let vertex = 0; vertex < vertices; vertex += 1) {
+    texels.set(positions.subarray(vertex * 3, vertex * 3 + 3), vertex * 8);
+    texels.set(normals?.subarray(vertex * 3, vertex * 3 + 3) ?? [], vertex * 8 + 4);
+  }
+  return texels;
 }

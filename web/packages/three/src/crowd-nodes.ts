@@ -7,6 +7,7 @@ import {
   If,
   int,
   ivec2,
+  Loop,
   materialColor,
   normalLocal,
   positionLocal,
@@ -147,10 +148,13 @@ function morphing({ morphs, weights, morphTargets }: CrowdShape): (position: Cha
   const sets = held(weights);
   return (position, normal) => {
     const first = attribute(MORPH_SET, 'uint').mul(uint(morphTargets)).toVar();
-    morphs.targets.forEach((target, i) => {
-      const weight = texel(sets, first.add(uint(target))).x.toVar();
+    const count = uint(morphs.targets);
+    Loop({ start: uint(0), end: count, type: 'uint', condition: '<' }, ({ i }) => {
+      const index = i as Node<'uint'>;
+      const target = uint(texel(deltas, index).x);
+      const weight = texel(sets, first.add(target)).x.toVar();
       If(weight.notEqual(0), () => {
-        const at = vertexIndex.add(uint(i * morphs.vertices)).mul(uint(2)).toVar();
+        const at = index.mul(uint(morphs.vertices)).add(vertexIndex).mul(uint(2)).add(count).toVar();
         position.addAssign(texel(deltas, at).xyz.mul(weight));
         normal.addAssign(texel(deltas, at.add(uint(1))).xyz.mul(weight));
       });

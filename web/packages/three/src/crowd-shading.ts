@@ -2,11 +2,11 @@ import type { Material } from 'three';
 
 import type { DataRows } from './data-rows.js';
 
-/** Morph targets of a mesh, for shaders: deltas of position and normal of each vertex, target after target. */
+/** Morph targets that move a mesh, for shaders. */
 export interface CrowdMorphs {
+  /** The index of each target among all of the asset; then deltas of position and normal of each vertex, by target. */
   readonly deltas: DataRows;
-  /** The index of each target among all of the asset. */
-  readonly targets: readonly number[];
+  readonly targets: number;
   readonly vertices: number;
 }
 
