@@ -66,9 +66,9 @@ function materials() {
   checks.wrapS = THREE.RepeatWrapping;
   checks.wrapT = THREE.MirroredRepeatWrapping;
   checks.magFilter = THREE.NearestFilter;
-  checks.repeat.set(2, 3);
+  checks.repeat.set(0.7, 1.2);
   checks.offset.set(0.1, 0.2);
-  const holes = picture(16, (x, y) => [230, 220, 60, (x >> 1) % 2 === (y >> 1) % 2 ? 255 : 0]);
+  const holes = picture(8, (x, y) => [230, 220, 60, (x >> 1) % 2 === (y >> 1) % 2 ? 255 : 0]);
   holes.colorSpace = THREE.SRGBColorSpace;
   holes.magFilter = THREE.NearestFilter;
   const rough = picture(16, (x, y) => [255 - 8 * x, 16 * y, 15 * x, 255]);
