@@ -11,7 +11,7 @@ export const KINDS = {
 };
 
 export function makeCrowd(asset, clip, count, kind, rootMotion, poseCache = true) {
-  const crowd = new ArticulaCrowd(asset, count, { clips: [clip], rootMotion, poseCache });
+  const crowd = new ArticulaCrowd(asset, count, { rootMotion, poseCache });
   KINDS[kind](crowd);
   for (let i = 0; i < count; i += 1) {
     const { x, z, secs } = character(i, count);
