@@ -43,9 +43,10 @@ const EXAMPLES = [
 ];
 
 export const PICTURES = ['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) => [
-  { name: `pictures ${kind} made`, call: ['made', [kind]], check },
+  { name: `pictures ${kind} made`, share: kind, call: ['made', [kind]], check },
   ...FILES.map(({ file, clip }) => ({
     name: `pictures ${kind} ${file.split('/')[1]}`,
+    share: kind,
     call: ['pictures', [kind, `/assets/${file}`, clip]],
     check,
   })),

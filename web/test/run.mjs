@@ -16,6 +16,8 @@ if (started === undefined) {
   process.exit(0);
 }
 const server = await serve();
+/** The page of the last test. */
+let last;
 const counts = { passed: 0, failed: 0 };
 try {
   await mkdir(OUT, { recursive: true });
@@ -33,8 +35,8 @@ try {
 console.log(`${counts.passed} passed, ${counts.failed} failed`);
 process.exitCode = counts.failed === 0 && counts.passed > 0 ? 0 : 1;
 
-/** Runs a test in a page of its own; returns what is wrong. */
-async function run({ name, call, check }) {
+/** Opens a page that is ready for tests; `errors` collects what goes wrong in it. */
+async function openPage() {
   const page = await started.newPage();
   const errors = [];
   page.on('pageerror', (error) => errors.push(`page: ${error.message}`));
@@ -43,15 +45,24 @@ async function run({ name, call, check }) {
       errors.push(`console: ${message.text()}`);
     }
   });
+  await page.goto(`${server.address}/test/page.html`);
+  await page.waitForFunction(() => window.tests !== undefined, undefined, { timeout: 30_000 });
+  return { page, errors };
+}
+
+/** Runs a test in a page of its own, or in the last if it shares it; returns what is wrong. */
+async function run({ name, share, call, check }) {
+  if (share === undefined || share !== last?.share) {
+    await last?.page.close();
+    last = undefined;
+    last = { share, ...(await openPage()) };
+  }
+  const { page, errors } = last;
   try {
-    await page.goto(`${server.address}/test/page.html`);
-    await page.waitForFunction(() => window.tests !== undefined, undefined, { timeout: 30_000 });
     const result = await page.evaluate(([method, args]) => window.tests[method](...args), call);
-    return [...errors, ...(await check(result, (part, png) => save(`${name} ${part}`, png)))];
+    return [...errors.splice(0), ...(await check(result, (part, png) => save(`${name} ${part}`, png)))];
   } catch (error) {
-    return [...errors, String(error)];
-  } finally {
-    await page.close();
+    return [...errors.splice(0), String(error)];
   }
 }
 

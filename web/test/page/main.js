@@ -7,6 +7,16 @@ import { comparePictures } from './pictures.js';
 import { readmeLines, readmePicture } from './readmes.js';
 import { makeRenderer } from './stage.js';
 
+const renderers = new Map();
+
+/** The renderer of tests that share a page. */
+async function rendererOf(kind) {
+  if (!renderers.has(kind)) {
+    renderers.set(kind, await makeRenderer(kind));
+  }
+  return renderers.get(kind);
+}
+
 window.tests = {
   async babylon(url, clip) {
     const { babylonPicture } = await import('./babylon.js');
@@ -26,9 +36,9 @@ window.tests = {
   disposals: async (kind, times) => behaviour.disposals(await makeRenderer(kind), times),
   contextLoss: async (kind) => behaviour.contextLoss(await makeRenderer(kind)),
   detail: async (kind, url, clip, cache) => compareDetail(await makeRenderer(kind), kind, url, clip, cache),
-  pictures: async (kind, url, clip) => comparePictures(await makeRenderer(kind), kind, url, clip),
+  pictures: async (kind, url, clip) => comparePictures(await rendererOf(kind), kind, url, clip),
   async made(kind) {
     const url = URL.createObjectURL(new Blob([await madeCharacter()]));
-    return comparePictures(await makeRenderer(kind), kind, url, 'wave', true);
+    return comparePictures(await rendererOf(kind), kind, url, 'wave', true);
   },
 };
