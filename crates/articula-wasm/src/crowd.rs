@@ -4,11 +4,10 @@ use crate::asset::Asset;
 use crate::crowd_options::crowd_options;
 use crate::error::{Fault, Result, index};
 use crate::geometry::Geometry;
-use crate::matrix_rows::{IDENTITY, Rows, offset, rows};
+use crate::matrix_rows::{IDENTITY, Rows, rows};
 use crate::picking;
 use crate::view::cameras;
 use articula::Executor;
-use articula::core::CachedRows;
 use articula::core::LibmQuat;
 use articula::crowd::{
     Budget, CacheUse, CrowdAsset, CrowdEvent, CrowdPlayer, Culling, Detail, DrawKind, View,
@@ -34,13 +33,13 @@ const GROUP: usize = 6;
 #[derive(Debug)]
 pub struct Crowd {
     file: String,
-    player: CrowdPlayer,
+    pub(crate) player: CrowdPlayer,
     views: Vec<View<'static>>,
     budget: Option<Budget>,
     /// Nominal nanoseconds of planning and evaluating the last frame.
     nominal_ns: [f64; 2],
-    transforms: Vec<Rows>,
-    groups: Vec<[u32; GROUP]>,
+    pub(crate) transforms: Vec<Rows>,
+    pub(crate) groups: Vec<[u32; GROUP]>,
     hears: bool,
     events: Vec<f64>,
 }
@@ -308,100 +307,6 @@ impl Crowd {
         Ok(report.visible)
     }
 
-    /// Byte offset of the groups of draws, six unsigned integers each: kind (0 palette, 1 record, 2 step, 3
-    /// impostor), level, first draw of that kind, number of draws, first set of morph target weights, number of
-    /// draws with a set. The draws of a group are one instanced draw call for each part of the level's mesh.
-    #[wasm_bindgen(js_name = groupsAt)]
-    pub fn groups_at(&self) -> usize {
-        offset(&self.groups)
-    }
-
-    /// Number of groups.
-    #[wasm_bindgen(getter)]
-    pub fn groups(&self) -> usize {
-        self.groups.len()
-    }
-
-    /// Byte offset of the palettes of this frame: matrices of twelve floats, three rows of four.
-    #[wasm_bindgen(js_name = palettesAt)]
-    pub fn palettes_at(&self) -> usize {
-        offset(self.player.palettes().bytes())
-    }
-
-    /// Number of matrices of all palettes.
-    #[wasm_bindgen(getter, js_name = paletteMatrices)]
-    pub fn palette_matrices(&self) -> usize {
-        self.player.crowd().draw_list().matrices
-    }
-
-    /// Byte offset of the draws of kind 0, two unsigned integers each: character, first matrix among the palettes.
-    #[wasm_bindgen(js_name = drawsAt)]
-    pub fn draws_at(&self) -> usize {
-        offset(&self.player.crowd().draw_list().draws)
-    }
-
-    /// Number of draws of kind 0.
-    #[wasm_bindgen(getter)]
-    pub fn draws(&self) -> usize {
-        self.player.crowd().draw_list().draws.len()
-    }
-
-    /// Byte offset of the draws of kind 1, 16 bytes each: first matrices of two cached palettes, unsigned integers,
-    /// the blend between them, a float, and the character.
-    #[wasm_bindgen(js_name = recordsAt)]
-    pub fn records_at(&self) -> usize {
-        offset(self.player.records())
-    }
-
-    /// Number of draws of kind 1.
-    #[wasm_bindgen(getter)]
-    pub fn records(&self) -> usize {
-        self.player.records().len()
-    }
-
-    /// Byte offset of the draws of kind 2, two unsigned integers each: character, first matrix among the cached
-    /// ones.
-    #[wasm_bindgen(js_name = steppedAt)]
-    pub fn stepped_at(&self) -> usize {
-        offset(self.player.stepped())
-    }
-
-    /// Number of draws of kind 2.
-    #[wasm_bindgen(getter)]
-    pub fn stepped(&self) -> usize {
-        self.player.stepped().len()
-    }
-
-    /// Byte offset of the cached palettes, matrices of twelve floats; they never change.
-    #[wasm_bindgen(js_name = cachedAt)]
-    pub fn cached_at(&self) -> usize {
-        offset(self.cached())
-    }
-
-    /// Number of matrices of all cached palettes; 0 without a cache.
-    #[wasm_bindgen(getter, js_name = cachedMatrices)]
-    pub fn cached_matrices(&self) -> usize {
-        self.cached().len() / 3
-    }
-
-    /// Byte offset of the world transform of each character: twelve floats, three rows of four.
-    #[wasm_bindgen(js_name = transformsAt)]
-    pub fn transforms_at(&self) -> usize {
-        offset(&self.transforms)
-    }
-
-    /// Byte offset of the sets of morph target weights, a float a target.
-    #[wasm_bindgen(js_name = morphWeightsAt)]
-    pub fn morph_weights_at(&self) -> usize {
-        offset(self.player.morph_weights())
-    }
-
-    /// Number of sets of morph target weights.
-    #[wasm_bindgen(getter, js_name = morphSets)]
-    pub fn morph_sets(&self) -> usize {
-        self.player.crowd().draw_list().morph_sets()
-    }
-
     /// Events of clips that the last frame passed, four numbers each: character, clip, identifier, weight of the clip.
     #[wasm_bindgen(getter)]
     pub fn events(&self) -> Vec<f64> {
@@ -475,14 +380,6 @@ impl Crowd {
         self.player.set_transform(i, position, rotation);
         self.transforms[i] = rows(&self.player.world_from_model(i));
         Ok(())
-    }
-
-    fn cached(&self) -> &[[f32; 4]] {
-        let cache = self.player.asset().model().parts().cache.as_ref();
-        match cache.map(|cache| cache.rows()) {
-            Some(CachedRows::Float(rows)) => rows,
-            Some(CachedRows::Half(_)) | None => &[],
-        }
     }
 
     fn write_groups(&mut self) {

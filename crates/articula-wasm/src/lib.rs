@@ -15,6 +15,7 @@
 
 mod asset;
 mod crowd;
+mod crowd_arrays;
 mod crowd_options;
 mod error;
 mod expressions;
