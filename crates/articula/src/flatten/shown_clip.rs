@@ -23,8 +23,6 @@ fn chosen<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
     fn a_walk_is_shown_before_a_run_and_an_idle() {
         let chosen = |names: &[&str]| super::chosen(names.iter().copied());
