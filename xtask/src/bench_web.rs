@@ -1,9 +1,11 @@
 //! `cargo xtask bench-web`: crowds in a page, beside what else shows many characters in three.js.
 
-use crate::processes::{answer, output, run};
+use crate::outcome::Outcome;
+use crate::processes::{output, run};
 use crate::web::{WebOptions, web};
+use crate::web_pages;
 use crate::workspace::{cargo, root, target};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -41,17 +43,15 @@ impl BenchOptions {
 
 /// Builds the program, the modules and the packages, prepares the files and measures them in Chromium.
 pub(crate) fn bench(options: &BenchOptions) -> Result<()> {
-    ensure!(
-        answer("npm", &["--version"]).is_some(),
-        "npm was not found; install Node.js 20 or newer"
-    );
+    if let Outcome::Skipped(why) = web_pages::install()? {
+        bail!("{why}");
+    }
     let release = ["build", "--quiet", "--release", "-p", "articula-cli"];
     run(cargo().args(release))?;
     web(&WebOptions::default())?;
     let folder = root().join("web");
-    let npm = |words: &[&str]| run(Command::new("npm").args(words).current_dir(&folder));
-    npm(&["ci", "--silent", "--no-audit", "--no-fund"])?;
-    npm(&["run", "--silent", "build"])?;
+    let build = ["run", "--silent", "build"];
+    run(Command::new("npm").args(build).current_dir(&folder))?;
     let files = match &options.files[..] {
         [] => FILES.map(|file| root().join(file)).to_vec(),
         files => files.to_vec(),

@@ -183,14 +183,12 @@ fn crowd(figure: &Figure, work: &Executor<'_>) -> Found<(u64, u64)> {
 fn flat(figure: &Figure, work: &Executor<'_>) -> Found<u64> {
     let shot = Shot {
         clip: Some(0),
-        still_at: None,
-        cycles: 1,
         fps: 10.0,
         yaw_deg: 30.0,
         pitch_deg: 10.0,
-        turn_deg: 0.0,
         viewport: Viewport::default(),
         triangles: TriangleCount::About(60),
+        ..Shot::default()
     };
     let framed = FramedCharacter::new(figure, shot, work)?;
     let settings = Settings {

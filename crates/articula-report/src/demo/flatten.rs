@@ -21,18 +21,15 @@ pub(super) fn of(
 ) -> Result<Vec<FlattenReport>> {
     let shot = Shot {
         clip: Some(scene.clip),
-        still_at: None,
-        cycles: 1,
-        fps: 25.0,
         yaw_deg: 30.0,
         pitch_deg: 5.0,
-        turn_deg: 0.0,
         viewport: Viewport {
             width_px: SIDE as f32,
             height_px: SIDE as f32,
-            fov_y_radians: 25.0f32.to_radians(),
+            ..Shot::default().viewport
         },
         triangles: TriangleCount::About(1000),
+        ..Shot::default()
     };
     let framed = FramedCharacter::new(scene.figure, shot, work)?;
     let mut reports = Vec::new();

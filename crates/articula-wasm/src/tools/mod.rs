@@ -88,7 +88,7 @@ impl Tools {
 
     /// Makes a moving picture of a clip: an animated SVG ("svg"), a JavaScript module ("player") or Lottie JSON
     /// ("lottie"). `options` is JSON: `{form?: string, clip?: string, yawDeg?: number, triangles?: number, maxBytes?:
-    /// number}`.
+    /// number}`; without a clip the first that walks, else runs, else idles. A clip that travels is shown on the spot.
     pub fn flatten(
         bytes: &[u8],
         name: &str,
@@ -97,7 +97,9 @@ impl Tools {
     ) -> Result<Vec<u8>, JsValue> {
         let options: options::Flatten = options::read(options.as_deref())?;
         run(progress, name, |work| {
-            let figure = Figure::new(open_alone(bytes, name)?)?;
+            let mut opened = open_alone(bytes, name)?;
+            opened.put_in_place();
+            let figure = Figure::new(opened)?;
             let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
             let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
             let (_, flat) = flatten_within(framed, &clip, &settings, work)?;

@@ -4,22 +4,16 @@ use crate::error::{Fault, Result};
 use articula::convert::{AddClipsOptions, ConvertOptions};
 use articula::flat::flatten::{Profile, Quality, Settings};
 use articula::flat::vector::player::PlayerOutput;
-use articula::flatten::{Shot, TriangleCount};
+use articula::flatten::{
+    LEAST_TRIANGLES, LEAST_TRIANGLES_OF_PLAYER, Shot, TriangleCount, shown_clip,
+};
 use articula::item::PackageOptions;
-use articula::{Figure, MeshLevelOptions, PrepareOptions, Viewport};
+use articula::{Figure, MeshLevelOptions, PrepareOptions};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 /// Most mesh levels that may be asked for.
 const MOST_LEVELS: usize = 16;
-
-/// Frames per second of moving pictures, and how they see a character.
-const FPS: f32 = 25.0;
-const VIEWPORT: Viewport = Viewport {
-    width_px: 400.0,
-    height_px: 400.0,
-    fov_y_radians: 25.0 * std::f32::consts::PI / 180.0,
-};
 
 /// Reads options; none are the default.
 pub(super) fn read<T: DeserializeOwned + Default>(json: Option<&str>) -> Result<T> {
@@ -138,20 +132,21 @@ pub(super) struct Flatten {
 impl Flatten {
     /// The clip and its camera.
     pub(super) fn shot(&self, figure: &Figure) -> articula::Result<Shot> {
+        let least = match self.form {
+            Form::Player => LEAST_TRIANGLES_OF_PLAYER,
+            Form::Svg | Form::Lottie => LEAST_TRIANGLES,
+        };
         Ok(Shot {
-            clip: figure.clip(self.clip.as_deref())?,
-            still_at: None,
-            cycles: 1,
-            fps: FPS,
-            yaw_deg: self.yaw_deg,
-            pitch_deg: 0.0,
-            turn_deg: 0.0,
-            viewport: VIEWPORT,
-            triangles: match (self.triangles, self.form) {
-                (Some(count), _) => TriangleCount::About(count),
-                (None, Form::Player) => TriangleCount::Judged { least: 1500 },
-                (None, _) => TriangleCount::Judged { least: 600 },
+            clip: match self.clip.as_deref() {
+                Some(name) => figure.clip(Some(name))?,
+                None => shown_clip(figure),
             },
+            yaw_deg: self.yaw_deg,
+            triangles: match self.triangles {
+                Some(count) => TriangleCount::About(count),
+                None => TriangleCount::Judged { least },
+            },
+            ..Shot::default()
         })
     }
 

@@ -66,6 +66,36 @@ pub struct Shot {
     pub triangles: TriangleCount,
 }
 
+/// Least number of triangles that is tried for a picture, where none is asked for.
+pub const LEAST_TRIANGLES: usize = 600;
+
+/// The same for the player, whose triangles take fewer bytes.
+pub const LEAST_TRIANGLES_OF_PLAYER: usize = 1500;
+
+impl Default for Shot {
+    /// The rest pose from the front, in 400 x 400 pixels with a field of view of 25 degrees, at 25 frames per second;
+    /// triangles are judged from [`LEAST_TRIANGLES`] on.
+    fn default() -> Self {
+        Self {
+            clip: None,
+            still_at: None,
+            cycles: 1,
+            fps: 25.0,
+            yaw_deg: 0.0,
+            pitch_deg: 0.0,
+            turn_deg: 0.0,
+            viewport: Viewport {
+                width_px: 400.0,
+                height_px: 400.0,
+                fov_y_radians: 25.0_f32.to_radians(),
+            },
+            triangles: TriangleCount::Judged {
+                least: LEAST_TRIANGLES,
+            },
+        }
+    }
+}
+
 /// Parts of a [`FramedCharacter`] that [`FramedCharacter::new`] computes.
 #[derive(Debug, Clone)]
 pub struct FramedParts {
@@ -90,6 +120,8 @@ pub struct FramedCharacter<'a> {
     /// Times of the frames, in seconds of the clip.
     pub frame_times_secs: Vec<f64>,
     regions: Vec<JudgedRegion>,
+    /// Factors on the weight of an error at features of the face; empty until visible triangles are known.
+    features: Vec<f32>,
     tried: Vec<TriedTriangles>,
     count: Option<usize>,
     weights: RegionWeights,
@@ -137,6 +169,7 @@ impl<'a> FramedCharacter<'a> {
             triangles: figure.asset.mesh.triangles.clone(),
             frame_times_secs,
             regions: judged_regions(figure),
+            features: Vec::new(),
             tried: Vec::new(),
             count: None,
             weights: RegionWeights::default(),
@@ -145,6 +178,7 @@ impl<'a> FramedCharacter<'a> {
         framed.put_up_camera()?;
         work.step(LOOKING, 1, 2)?;
         let seen = framed.seen()?;
+        framed.features = features(&framed.whole(), &seen, &framed.regions);
         work.step(LOOKING, 2, 2)?;
         framed.thin_out(&seen, work)?;
         Ok(framed)
@@ -172,6 +206,7 @@ impl<'a> FramedCharacter<'a> {
             ..self.clone()
         };
         let seen = framed.seen()?;
+        framed.features = features(&framed.whole(), &seen, &framed.regions);
         framed.triangles = framed.simplified(&seen, count, self.weights)?;
         Ok(framed)
     }
@@ -222,6 +257,7 @@ impl<'a> FramedCharacter<'a> {
             triangles: parts.triangles,
             frame_times_secs: parts.frame_times_secs,
             regions: judged_regions(figure),
+            features: Vec::new(),
             tried: Vec::new(),
             count: None,
             weights: RegionWeights::default(),
@@ -394,8 +430,7 @@ impl<'a> FramedCharacter<'a> {
         let place = || self.figure.opened.name();
         let asset = &self.figure.asset;
         let clip = self.shot.clip;
-        let features = features(&self.whole(), seen, &self.regions);
-        let weights = vertex_weights(&self.regions, &features, weights);
+        let weights = vertex_weights(&self.regions, &self.features, weights);
         let triangles = decimate(asset, seen, clip, count, &weights).with_context(place)?;
         let shown = PlanarSubject {
             triangles: &triangles,

@@ -13,7 +13,9 @@ mod report;
 mod shown_clip;
 mod surfaces;
 
-pub use framed::{FramedCharacter, FramedParts, Shot, TriangleCount};
+pub use framed::{
+    FramedCharacter, FramedParts, LEAST_TRIANGLES, LEAST_TRIANGLES_OF_PLAYER, Shot, TriangleCount,
+};
 pub use head::FramedHead;
 pub use judged::{DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles};
 pub use report::{

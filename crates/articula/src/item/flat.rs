@@ -108,18 +108,14 @@ impl<'a> Maker<'a> {
     fn framed(&self) -> Result<FramedCharacter<'a>> {
         let shot = Shot {
             clip: self.clip,
-            still_at: None,
-            cycles: 1,
             fps: FPS,
-            yaw_deg: 0.0,
-            pitch_deg: 0.0,
-            turn_deg: 0.0,
             viewport: Viewport {
                 width_px: self.options.flat_px as f32,
                 height_px: self.options.flat_px as f32,
                 ..self.options.viewport
             },
             triangles: TriangleCount::About(TRIANGLES),
+            ..Shot::default()
         };
         FramedCharacter::new(self.figure, shot, self.work)
     }

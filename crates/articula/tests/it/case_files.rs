@@ -65,19 +65,14 @@ fn a_clean_figure_has_no_warning() {
 /// sRGB levels of the vertices that a still picture shows, with their light.
 fn shown(figure: &Figure) -> Vec<[f32; 3]> {
     let shot = Shot {
-        clip: None,
         still_at: Some(0.0),
-        cycles: 1,
-        fps: 25.0,
-        yaw_deg: 0.0,
-        pitch_deg: 0.0,
-        turn_deg: 0.0,
         viewport: Viewport {
             width_px: 200.0,
             height_px: 200.0,
             fov_y_radians: 0.5,
         },
         triangles: TriangleCount::All,
+        ..Shot::default()
     };
     let framed = FramedCharacter::new(figure, shot, &Executor::default()).unwrap();
     let clip = framed.clip().unwrap();

@@ -1,8 +1,8 @@
 //! Features of a face in 2D: what a viewer looks at is there at the least number of triangles.
 
-use articula::flatten::{FramedCharacter, Shot, TriangleCount};
+use articula::flatten::{FramedCharacter, LEAST_TRIANGLES, Shot, TriangleCount};
 use articula::glam::Vec3;
-use articula::{Executor, Figure, Viewport, reference_human};
+use articula::{Executor, Figure, reference_human};
 
 /// Area that triangles of a mesh with a material cover from the front, on the figure's left or right.
 fn area(figure: &Figure, triangles: &[[u32; 3]], material: usize, is_left: bool) -> f32 {
@@ -31,19 +31,9 @@ fn area(figure: &Figure, triangles: &[[u32; 3]], material: usize, is_left: bool)
 fn eyes_brows_and_lips_of_the_human_stay() {
     let figure = Figure::new(reference_human().unwrap()).unwrap();
     let shot = Shot {
-        clip: None,
         still_at: Some(0.0),
-        cycles: 1,
-        fps: 25.0,
-        yaw_deg: 0.0,
-        pitch_deg: 0.0,
-        turn_deg: 0.0,
-        viewport: Viewport {
-            width_px: 400.0,
-            height_px: 400.0,
-            fov_y_radians: 0.5,
-        },
-        triangles: TriangleCount::About(600),
+        triangles: TriangleCount::About(LEAST_TRIANGLES),
+        ..Shot::default()
     };
     let framed = FramedCharacter::new(&figure, shot, &Executor::default()).unwrap();
     let materials = &figure.opened.character().materials;

@@ -23,8 +23,9 @@ use articula::flat::planar::SplitOptions;
 use articula::flat::vector::player::PlayerOutput;
 use articula::flat::vector::{AnimatedSvg, ThesisForm, ThesisSvgOptions};
 use articula::flatten::{
-    BytesPerTriangle, FlatBytes, FlattenReport, FramedCharacter, Shot, TriangleCount,
-    flatten_driven, flatten_within, shown_clip, surfaces_shown_otherwise,
+    BytesPerTriangle, FlatBytes, FlattenReport, FramedCharacter, LEAST_TRIANGLES,
+    LEAST_TRIANGLES_OF_PLAYER, Shot, TriangleCount, flatten_driven, flatten_within, shown_clip,
+    surfaces_shown_otherwise,
 };
 
 /// Converts, or runs a subcommand.
@@ -183,8 +184,8 @@ impl ConvertArgs {
 
     fn shot(&self, profile: ProfileName, clip: Option<usize>) -> Shot {
         let least = match profile {
-            ProfileName::Player => 1500,
-            _ => 600,
+            ProfileName::Player => LEAST_TRIANGLES_OF_PLAYER,
+            _ => LEAST_TRIANGLES,
         };
         let triangles = match self.shot.triangles {
             Some(count) => TriangleCount::About(count as usize),

@@ -157,14 +157,11 @@ impl Case {
         };
         let shot = Shot {
             clip: Some(clip),
-            still_at: None,
-            cycles: 1,
             fps,
-            yaw_deg: 0.0,
-            pitch_deg: 0.0,
             turn_deg: self.turn_degrees,
             viewport: viewport(),
             triangles: TriangleCount::All,
+            ..Shot::default()
         };
         let framed = FramedCharacter::from_parts(figure, shot, parts.clone());
         let looks: Vec<f64> = parts.frame_times_secs.iter().copied().step_by(3).collect();
