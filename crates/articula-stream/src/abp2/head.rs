@@ -126,6 +126,16 @@ impl MotionHead {
         start(access_unit)..start(access_unit + 1)
     }
 
+    /// Numbers of the access units with some of the frames.
+    pub(super) fn access_units_of(&self, frames: Range<usize>) -> Range<usize> {
+        let count = self.access_units as u64;
+        let of = |frame: usize| ((frame as u64 + 1) * count - 1) / self.frames as u64;
+        match frames.is_empty() || count == 0 {
+            true => 0..0,
+            false => of(frames.start) as usize..of(frames.end - 1) as usize + 1,
+        }
+    }
+
     /// Number of groups of units, of joints and of morph targets.
     pub(super) fn group_count(&self) -> usize {
         self.groups.len() + self.morph_groups.len()

@@ -25,7 +25,7 @@ struct Errors {
 }
 
 fn errors(coding: &Coding<'_>, judge: &Judge<'_>, shown: &Truth) -> Errors {
-    let mut of_point = vec![0.0_f64; judge.some.len()];
+    let mut of_point = vec![0.0_f64; judge.some.points.len()];
     let mut sums = Sums::default();
     let frames = 0..judge.truth.frames;
     judge.quick().distances(shown, frames, |point, distance| {

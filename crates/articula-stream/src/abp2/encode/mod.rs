@@ -10,6 +10,7 @@
 //! - `levers`: how far each track moves each point, and the shares of the tolerance
 //! - `plan`: which tracks move, and around which values
 //! - `quantise`: levels at given steps, and what a decoder shows of them
+//! - `shown_planes`: what it shows without some planes
 //! - `search`: steps within the tolerance, planes of coarser tiers
 //! - `alone`: the same where each track has a point of its own
 //! - `units`: the coded units
@@ -21,6 +22,7 @@ mod near_points;
 mod plan;
 mod quantise;
 mod search;
+mod shown_planes;
 mod skin_points;
 mod truth;
 mod units;
@@ -43,9 +45,8 @@ use crate::limits::StreamLimits;
 use crate::unit::Unit;
 use articula_core::{Clip, Mesh, Mismatch, Rig};
 use levers::Rest;
-use near_points::NearPoints;
 use quantise::{Coding, Levels};
-use search::{Judge, Shares, finest, tiers};
+use search::{Judge, Near, Shares, finest, tiers};
 use skin_points::{SkinPoints, offsets_by_vertex};
 use std::cell::{Cell, OnceCell};
 use truth::Truth;
@@ -199,11 +200,11 @@ fn encode_with(
 ) -> Result<EncodedMotion, Mismatch> {
     let truth = Truth::new(rig, mesh, clip);
     let offsets = offsets_by_vertex(mesh);
-    let all = if mesh.is_empty() {
+    let all = Near::of(if mesh.is_empty() {
         SkinPoints::of_bones(rig)
     } else {
         SkinPoints::of_vertices(mesh, &offsets, 0..mesh.len())
-    };
+    });
     let some = |more: &[usize]| {
         if mesh.is_empty() {
             return SkinPoints::of_bones(rig);
@@ -220,8 +221,8 @@ fn encode_with(
     let rest = Rest::new(rig, &points, &mesh.morph_weights);
     let planned = plan::plan(
         rig,
-        &all,
-        &Rest::new(rig, &all, &mesh.morph_weights),
+        &all.points,
+        &Rest::new(rig, &all.points, &mesh.morph_weights),
         &truth,
     );
     head.scales = planned
@@ -233,19 +234,13 @@ fn encode_with(
         rig,
         truth: &truth,
         all: &all,
-        shown: points.shown(rig, &truth),
+        some: Near::of(points),
+        some_shown: OnceCell::new(),
         all_shown: OnceCell::new(),
-        near: NearPoints::of(&all),
         states_errors: options.errors,
         worst_frame: Cell::new(0),
-        some: points,
     };
     let tolerance = head.tolerance_metres(0);
-    let refine = |more: &[usize]| {
-        let points = some(more);
-        let shown = points.shown(rig, &truth);
-        (points, shown)
-    };
     let (levels, errors) = match head.face {
         Some(_) => {
             let (mut levels, shown, error) = alone::finest(&coding, tolerance, &judge)?;
@@ -253,7 +248,7 @@ fn encode_with(
             (levels, errors)
         }
         None => {
-            let (mut levels, shown) = finest(&coding, &shares.fine, tolerance, &mut judge, refine)?;
+            let (mut levels, shown) = finest(&coding, &shares.fine, tolerance, &mut judge, some)?;
             let errors = tiers(&coding, &mut levels, &shown, &shares, &judge, tolerance);
             (levels, errors)
         }
@@ -461,11 +456,11 @@ fn checked(
     let wrong = |what: String| Mismatch::new("the coded stream", what);
     receiver.receive(bytes).map_err(|e| wrong(e.to_string()))?;
     let shown = Truth::new(judge.rig, mesh, &receiver.clip()?);
-    let error = judge.quick().error(&shown);
-    if error.max_metres > expected * 1.001 + 1e-7 {
-        return Err(wrong(format!(
-            "decodes to {error:?}, expected {expected} m"
-        )));
+    let limit = expected * 1.001 + 1e-7;
+    match judge.some_beyond(&shown, 0..judge.truth.frames, limit) {
+        Some(frame) => Err(wrong(format!(
+            "decodes to more than {expected} m from its place in frame {frame}"
+        ))),
+        None => Ok(()),
     }
-    Ok(())
 }

@@ -10,26 +10,36 @@
 //! = (*M_b* − *N_b*) (*p* + *e*) + *A_b* (*d* − *e*), the bound holds with *r* greater by |*e*|, and ‖*A_b*‖ |*d* − *e*| added.
 
 use super::skin_points::{Posed, SkinPoints};
-use glam::{Affine3A, Vec3A};
+use glam::{Affine3A, Vec3, Vec3A};
 use std::collections::BTreeMap;
-use std::ops::Range;
 
-/// Points of a block.
+/// Most points of a block, and of a group of blocks.
 const POINTS: usize = 16;
+const POINTS_OF_GROUP: usize = 128;
 /// Rounding of the places of points in single precision, as a part of what is summed for them.
 const ROUNDING: f32 = 1e-6;
 
 /// Neighbours among the points of a skin.
 #[derive(Debug)]
 pub(super) struct NearPoints {
+    groups: Vec<Group>,
+}
+
+/// Blocks that lie near each other, and one around all of them.
+#[derive(Debug)]
+struct Group {
+    whole: Block,
     blocks: Vec<Block>,
 }
 
 #[derive(Debug)]
 struct Block {
-    points: Range<usize>,
+    /// The points, ascending.
+    points: Vec<u32>,
     centre: Vec3A,
     radius: f32,
+    /// Distance from the origin that no point exceeds at rest.
+    reach: f32,
     /// The bindings that some of the points follow.
     bindings: Vec<u16>,
     /// The greatest sum of the weights of a point.
@@ -56,9 +66,24 @@ struct Apart {
     linear: f32,
     /// A bound of what the matrix itself lengthens.
     stretch: f32,
-    /// Sizes of the matrix itself.
-    own_linear: f32,
-    own_translation: f32,
+    /// Of the matrix itself.
+    own: Sizes,
+}
+
+/// Sizes of a matrix, or the greatest of several.
+#[derive(Debug, Clone, Copy)]
+struct Sizes {
+    linear: f32,
+    translation: f32,
+}
+
+impl Sizes {
+    fn of(apart: &[Apart]) -> Self {
+        Self {
+            linear: greatest(apart.iter().map(|apart| apart.own.linear)),
+            translation: greatest(apart.iter().map(|apart| apart.own.translation)),
+        }
+    }
 }
 
 impl Apart {
@@ -76,19 +101,28 @@ impl Apart {
             by,
             linear: size(&by),
             stretch: stretch(right).min(size(right)) * (1.0 + ROUNDING),
-            own_linear: size(right),
-            own_translation: right.translation.length(),
+            own: Sizes {
+                linear: size(right),
+                translation: right.translation.length(),
+            },
         }
     }
 }
 
 impl NearPoints {
-    /// Neighbours in the order of the points.
+    /// Groups points by their places at rest.
     pub(super) fn of(points: &SkinPoints) -> Self {
-        let starts = (0..points.len()).step_by(POINTS);
-        let blocks = starts.map(|start| Block::of(points, start..points.len().min(start + POINTS)));
+        let mut order: Vec<u32> = (0..points.len() as u32).collect();
+        let groups = parts(points, &mut order, POINTS_OF_GROUP).into_iter();
+        let group = |of: &mut [u32]| Group {
+            whole: Block::of(points, of),
+            blocks: parts(points, of, POINTS)
+                .into_iter()
+                .map(|of| Block::of(points, of))
+                .collect(),
+        };
         Self {
-            blocks: blocks.collect(),
+            groups: groups.map(group).collect(),
         }
     }
 
@@ -97,57 +131,140 @@ impl NearPoints {
     pub(super) fn farthest(
         &self,
         points: &SkinPoints,
-        (right, right_weights): (&Posed, &[f32]),
-        (found, found_weights): (&Posed, &[f32]),
+        right: (&Posed, &[f32]),
+        found: (&Posed, &[f32]),
         limit: f64,
     ) -> Option<usize> {
-        let pairs = right.palette.iter().zip(&found.palette);
+        let pairs = right.0.palette.iter().zip(&found.0.palette);
         let apart: Vec<Apart> = pairs.map(|(a, b)| Apart::of(a, b)).collect();
-        let weights = (right_weights, found_weights);
-        let mut farthest = None;
-        let mut most = limit;
-        for block in &self.blocks {
-            let moved = block.moved(weights);
-            let rounding = block.rounding(&apart, moved);
-            if f64::from(block.bound(&apart, moved) + rounding) <= most {
+        let mut search = Search {
+            points,
+            right,
+            found,
+            sizes: Sizes::of(&apart),
+            apart: &apart,
+            farthest: None,
+            most: limit,
+        };
+        for group in &self.groups {
+            if search.is_out(&group.whole) {
                 continue;
             }
-            let stretch = block.weight * greatest(block.apart(&apart).map(|apart| apart.stretch));
-            for point in block.points.clone() {
-                let bound = way(points, point, &apart, weights, stretch);
-                if f64::from(bound + rounding) <= most {
-                    continue;
-                }
-                let right = points.skinned(point, right_weights, &right.palette);
-                let found = points.skinned(point, found_weights, &found.palette);
-                let distance = f64::from(right.distance(found));
-                if distance > most {
-                    (farthest, most) = (Some(point), distance);
-                }
+            for block in &group.blocks {
+                search.look(block);
             }
         }
-        farthest
+        search.farthest
     }
 }
 
+/// A search for the farthest point of a pose.
+struct Search<'a> {
+    points: &'a SkinPoints,
+    right: (&'a Posed, &'a [f32]),
+    found: (&'a Posed, &'a [f32]),
+    /// How far each binding is apart, and the greatest sizes of all.
+    apart: &'a [Apart],
+    sizes: Sizes,
+    farthest: Option<usize>,
+    /// Distance of the farthest, or the limit.
+    most: f64,
+}
+
+impl Search<'_> {
+    /// Whether a point within this distance is not the one that is looked for.
+    fn is_too_near(&self, distance: f32) -> bool {
+        let distance = f64::from(distance);
+        // Of equal ones the first counts.
+        distance < self.most || self.farthest.is_none() && distance <= self.most
+    }
+
+    fn weights(&self) -> (&[f32], &[f32]) {
+        (self.right.1, self.found.1)
+    }
+
+    /// Whether a block has no point that is looked for.
+    fn is_out(&self, block: &Block) -> bool {
+        let moved = block.moved(self.weights());
+        let bound = block.bound(self.apart, moved);
+        // Most blocks are out with what rounding adds where matrices are greatest.
+        self.is_too_near(bound + block.rounding_of(self.sizes, moved))
+            || self.is_too_near(bound + block.rounding(self.apart, moved))
+    }
+
+    fn look(&mut self, block: &Block) {
+        if self.is_out(block) {
+            return;
+        }
+        let weights = self.weights();
+        let rounding = block.rounding(self.apart, block.moved(weights));
+        let apart = block.apart(self.apart);
+        let stretch = block.weight * greatest(apart.map(|apart| apart.stretch));
+        for point in block.points.iter().map(|point| *point as usize) {
+            let bound = way(self.points, point, self.apart, self.weights(), stretch);
+            if self.is_too_near(bound + rounding) {
+                continue;
+            }
+            let [right, found] = [self.right, self.found]
+                .map(|(posed, weights)| self.points.skinned(point, weights, &posed.palette));
+            let distance = f64::from(right.distance(found));
+            let is_first = self.farthest.is_some_and(|farthest| point < farthest);
+            if distance > self.most || distance == self.most && is_first {
+                (self.farthest, self.most) = (Some(point), distance);
+            }
+        }
+    }
+}
+
+/// Parts of at most so many points, halved along their longest side.
+fn parts<'a>(points: &SkinPoints, order: &'a mut [u32], most: usize) -> Vec<&'a mut [u32]> {
+    if order.len() <= most {
+        order.sort_unstable();
+        return match order.is_empty() {
+            true => Vec::new(),
+            false => vec![order],
+        };
+    }
+    let place = |point: &u32| points.position(*point as usize);
+    let places = order.iter().map(place).filter(|place| place.is_finite());
+    let (low, high) = places.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
+        (low.min(p), high.max(p))
+    });
+    let axis = (high - low).max_position();
+    let along = |point: &u32| place(point)[axis];
+    let half = order
+        .len()
+        .div_ceil(2)
+        .next_multiple_of(most)
+        .min(order.len() - 1);
+    order.select_nth_unstable_by(half, |a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+    let (left, right) = order.split_at_mut(half);
+    let mut all = parts(points, left, most);
+    all.append(&mut parts(points, right, most));
+    all
+}
+
 impl Block {
-    fn of(points: &SkinPoints, of: Range<usize>) -> Self {
-        let places = || of.clone().map(|point| Vec3A::from(points.position(point)));
+    fn of(points: &SkinPoints, of: &[u32]) -> Self {
+        let all = || of.iter().map(|point| *point as usize);
+        let places = || all().map(|point| Vec3A::from(points.position(point)));
         let centre = places().sum::<Vec3A>() / of.len().max(1) as f32;
         let radius = places().map(|p| p.distance(centre)).fold(0.0, f32::max);
-        let influences = of.clone().flat_map(|point| points.influences(point));
+        let influences = all().flat_map(|point| points.influences(point));
         let mut bindings: Vec<u16> = influences.map(|(binding, _)| *binding).collect();
         bindings.sort_unstable();
         bindings.dedup();
         let weight = |point| points.influences(point).iter().map(|(_, w)| w).sum();
+        // The radius and the centre are rounded too.
+        let radius = radius * (1.0 + ROUNDING) + ROUNDING * centre.length();
         Self {
             centre,
-            // The radius and the centre are rounded too.
-            radius: radius * (1.0 + ROUNDING) + ROUNDING * centre.length(),
+            radius,
+            reach: centre.length() + radius,
             bindings,
-            weight: of.clone().map(weight).fold(0.0, f32::max),
-            offsets: greatest_offsets(points, of.clone()),
-            points: of,
+            weight: all().map(weight).fold(0.0, f32::max),
+            offsets: greatest_offsets(points, all()),
+            points: of.to_vec(),
         }
     }
 
@@ -181,15 +298,19 @@ impl Block {
 
     /// What rounding adds to the distance of a point at most.
     fn rounding(&self, apart: &[Apart], moved: Moved) -> f32 {
-        let reach = self.centre.length() + self.radius + moved.rounded;
-        let apart = self.apart(apart);
-        let sizes = apart.map(|apart| apart.own_linear * reach + apart.own_translation);
-        ROUNDING * self.weight * greatest(sizes)
+        let sizes = self.apart(apart).map(|apart| apart.own);
+        greatest(sizes.map(|own| self.rounding_of(own, moved)))
+    }
+
+    /// The same for matrices of at most these sizes.
+    fn rounding_of(&self, own: Sizes, moved: Moved) -> f32 {
+        let reach = self.reach + moved.rounded;
+        ROUNDING * self.weight * (own.linear * reach + own.translation)
     }
 }
 
 /// The morph targets that move some points, with the greatest offset of each.
-fn greatest_offsets(points: &SkinPoints, of: Range<usize>) -> Vec<(u16, f32)> {
+fn greatest_offsets(points: &SkinPoints, of: impl Iterator<Item = usize>) -> Vec<(u16, f32)> {
     let mut greatest: BTreeMap<u16, f32> = BTreeMap::new();
     for point in of {
         // Several parts of a target may move a point.
@@ -242,137 +363,4 @@ fn greatest(numbers: impl Iterator<Item = f32>) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::abp2::encode::skin_points::offsets_by_vertex;
-    use articula_core::source::{Joint, Skeleton};
-    use articula_core::{
-        Articulation, Binding, JointArticulation, Mesh, Morph, Region, Rig, Transform,
-    };
-    use articula_mutate::Dice;
-    use glam::{Quat, Vec3};
-
-    /// Joints of a chain along an arm of one metre, which ends at `x = 1`.
-    const JOINTS: usize = 5;
-    const RINGS: usize = 60;
-    const AROUND: usize = 8;
-
-    fn rig() -> Rig {
-        let joint = |j: usize| Joint {
-            name: format!("joint {j}"),
-            parent: j.checked_sub(1),
-            rest: Transform {
-                translation: Vec3::X * if j == 0 { 0.0 } else { 1.0 / JOINTS as f32 },
-                ..Transform::default()
-            },
-            in_skin: true,
-        };
-        let known = JointArticulation {
-            hanim: None,
-            level: 0,
-            region: Region::ALL[0],
-        };
-        let articulation = Articulation {
-            profile: String::new(),
-            joints: vec![known; JOINTS],
-        };
-        let joints = (0..JOINTS).map(joint).collect();
-        Rig::new(&Skeleton { joints }, articulation).unwrap()
-    }
-
-    /// A tube around the chain that follows two joints everywhere; a morph target moves part of it.
-    fn tube() -> Mesh {
-        let mut mesh = Mesh {
-            influences: 2,
-            morph_weights: vec![0.5],
-            ..Mesh::default()
-        };
-        for ring in 0..RINGS {
-            let along = ring as f32 / RINGS as f32 * JOINTS as f32;
-            let joint = along.floor();
-            for side in 0..AROUND {
-                let angle = std::f32::consts::TAU * side as f32 / AROUND as f32;
-                let around = 0.04 * Vec3::new(0.0, angle.cos(), angle.sin());
-                mesh.positions
-                    .push(Vec3::X * along / JOINTS as f32 + around);
-                let next = (joint as u16 + 1).min(JOINTS as u16 - 1);
-                mesh.binding_indices.extend([joint as u16, next]);
-                mesh.weights.extend([1.0 - (along - joint), along - joint]);
-            }
-        }
-        let binding = |joint: usize| Binding {
-            joint: joint as u16,
-            inverse_bind: Affine3A::from_translation(Vec3::NEG_X * joint as f32 / JOINTS as f32),
-        };
-        mesh.bindings = (0..JOINTS).map(binding).collect();
-        mesh.morphs.push(Morph {
-            slot: 0,
-            vertices: (100..180).collect(),
-            positions: (0..80).map(|v| Vec3::Y * v as f32 / 800.0).collect(),
-            normals: vec![Vec3::ZERO; 80],
-        });
-        mesh
-    }
-
-    #[test]
-    fn bounds_miss_no_point() {
-        for weights in [
-            (0.0, 0.0),
-            (0.5, 0.5),
-            (0.5, 0.4999),
-            (0.2, 0.3),
-            (-0.1, 0.0),
-        ] {
-            check(weights);
-        }
-    }
-
-    /// Weights of the morph target in the true and the coded pose.
-    fn check((right_weight, found_weight): (f32, f32)) {
-        let (rig, mesh) = (rig(), tube());
-        let points =
-            SkinPoints::of_vertices(&mesh, &offsets_by_vertex(&mesh), 0..mesh.positions.len());
-        let near = NearPoints::of(&points);
-        let (right_weights, found_weights) = (&[right_weight][..], &[found_weight][..]);
-        let weights = (right_weights, found_weights);
-        let mut dice = Dice::new(7);
-        let mut turned = |most: f32, weights: &[f32]| {
-            let mut posed = points.posed(&rig);
-            for rotation in &mut posed.local.rotations {
-                let axis = Vec3::from([(); 3].map(|()| dice.roll(2001) as f32 / 1000.0 - 1.0));
-                *rotation *= Quat::from_scaled_axis(most * axis);
-            }
-            points.skin(&rig, weights, &mut posed);
-            posed
-        };
-        let right = turned(0.0, right_weights);
-        let mut left_out = 0;
-        for most in [1e-5, 1e-4, 1e-3, 1e-2] {
-            let found = turned(most, found_weights);
-            let pairs = right.points.iter().zip(&found.points);
-            let distances: Vec<f64> = pairs.map(|(a, b)| f64::from(a.distance(*b))).collect();
-            let greatest = distances.iter().copied().fold(0.0, f64::max);
-            assert!(greatest > 0.0);
-            for part in [0.0, 0.5, 0.9, 0.999, 1.0, 1.1] {
-                let limit = part * greatest;
-                let mut expected = (None, limit);
-                for (point, distance) in distances.iter().enumerate() {
-                    if *distance > expected.1 {
-                        expected = (Some(point), *distance);
-                    }
-                }
-                let (right, found) = ((&right, right_weights), (&found, found_weights));
-                assert_eq!(near.farthest(&points, right, found, limit), expected.0);
-            }
-            let pairs = right.palette.iter().zip(&found.palette);
-            let apart: Vec<Apart> = pairs.map(|(a, b)| Apart::of(a, b)).collect();
-            let bounds = near
-                .blocks
-                .iter()
-                .map(|block| f64::from(block.bound(&apart, block.moved(weights))));
-            left_out += bounds.filter(|bound| *bound <= greatest).count();
-        }
-        // Bounds are of use: the blocks of the upper arm move less than the hand.
-        assert!(left_out > 2 * near.blocks.len(), "{left_out}");
-    }
-}
+mod tests;

@@ -6,13 +6,15 @@ use super::levers::{Mover, Rest, levers, shares};
 use super::near_points::NearPoints;
 use super::plan::PlannedTrack;
 use super::quantise::{Coding, Levels};
+use super::shown_planes::ShownPlanes;
 use super::skin_points::{Measure, SkinError, SkinPoints};
 use super::truth::Truth;
-use crate::abp2::pose_unit::{MOST_PLANES, MOST_TIERS, TrackForm};
+use crate::abp2::pose_unit::{MOST_PLANES, TrackForm};
 use articula_core::Libm;
 use articula_core::{Mismatch, Rig};
 use glam::Vec3;
 use std::cell::{Cell, OnceCell};
+use std::ops::Range;
 
 /// Halvings of the interval of a factor.
 const HALVINGS: usize = 9;
@@ -93,17 +95,31 @@ fn shares_of(
     found
 }
 
-/// The points of the search with their true places, and all points.
+/// Points with their neighbours.
+pub(super) struct Near {
+    pub(super) points: SkinPoints,
+    blocks: NearPoints,
+}
+
+impl Near {
+    pub(super) fn of(points: SkinPoints) -> Self {
+        Self {
+            blocks: NearPoints::of(&points),
+            points,
+        }
+    }
+}
+
+/// The points of the search, and all points.
 pub(super) struct Judge<'a> {
     pub(super) rig: &'a Rig,
     pub(super) truth: &'a Truth,
-    pub(super) all: &'a SkinPoints,
-    pub(super) some: SkinPoints,
-    pub(super) shown: Vec<Vec3>,
-    /// The true places of all points, frame by frame, once they were measured; empty if they are too many.
+    pub(super) all: &'a Near,
+    pub(super) some: Near,
+    /// The true places of the points of the search and of all, frame by frame, once they were measured; empty if
+    /// they are too many.
+    pub(super) some_shown: OnceCell<Vec<Vec3>>,
     pub(super) all_shown: OnceCell<Vec<Vec3>>,
-    /// All points by their neighbours.
-    pub(super) near: NearPoints,
     /// Whether the errors of tiers are measured at all points.
     pub(super) states_errors: bool,
     /// The first of the frames in which a motion was beyond its limit.
@@ -113,45 +129,83 @@ pub(super) struct Judge<'a> {
 impl Judge<'_> {
     /// Measures at the points of the search.
     pub(super) fn quick(&self) -> Measure<'_> {
+        self.measure(&self.some, &self.some_shown)
+    }
+
+    fn measure<'s>(&'s self, near: &'s Near, shown: &'s OnceCell<Vec<Vec3>>) -> Measure<'s> {
+        let points = &near.points;
+        let places = points.len().saturating_mul(self.truth.frames);
+        let shown = shown.get_or_init(|| match places {
+            0..=MOST_PLACES => points.shown(self.rig, self.truth),
+            _ => Vec::new(),
+        });
         Measure {
             rig: self.rig,
-            points: &self.some,
+            points,
             truth: self.truth,
-            shown: Some(&self.shown),
+            shown: (!shown.is_empty()).then_some(shown),
         }
     }
 
-    /// Whether no point of the search is farther than `limit` from its place.
-    fn seems_within(&self, motion: &Truth, limit: f64) -> bool {
-        let measure = self.quick();
-        let some = |start: usize| start..self.truth.frames.min(start + FRAMES);
-        let is_within = |start| measure.error_in(motion, some(start)).max_metres <= limit;
+    /// Sets the points of the search.
+    fn search_at(&mut self, points: SkinPoints) {
+        self.some = Near::of(points);
+        self.some_shown = OnceCell::new();
+    }
+
+    /// Whether `beyond` finds nothing in all frames. It returns the first of some frames in which a motion is
+    /// beyond a limit.
+    fn seems_within(&self, beyond: impl FnMut(Range<usize>) -> Option<usize>) -> bool {
+        let count = self.truth.frames;
         // Where the last motion was beyond its limit, this one is too if it is anywhere, as a rule.
-        let starts = (0..self.truth.frames).step_by(FRAMES);
-        let first = starts
-            .clone()
-            .find(|start| *start == self.worst_frame.get());
-        let mut starts = first.into_iter().chain(starts);
-        match starts.find(|start| !is_within(*start)) {
-            Some(start) => {
-                self.worst_frame.set(start);
-                false
-            }
-            None => true,
-        }
+        let last = self.worst_frame.get();
+        let starts = (0..count).step_by(FRAMES);
+        let all = starts.map(|start| start..count.min(start + FRAMES));
+        let found = std::iter::once(last..count.min(last + 1))
+            .chain(all)
+            .find_map(beyond);
+        self.worst_frame.set(found.unwrap_or(last));
+        found.is_none()
+    }
+
+    /// The first of some frames in which a point of the search is farther than `limit` from its place.
+    pub(super) fn some_beyond(
+        &self,
+        motion: &Truth,
+        frames: Range<usize>,
+        limit: f64,
+    ) -> Option<usize> {
+        let mut found = self.farthest(&self.some, motion, frames, limit);
+        found.next().map(|(frame, _)| frame)
     }
 
     /// The farthest point of each frame in which one of all points is farther than `limit` from its place.
     fn beyond(&self, motion: &Truth, limit: f64) -> impl Iterator<Item = usize> {
-        let (mut right, mut found) = (self.all.posed(self.rig), self.all.posed(self.rig));
-        (0..self.truth.frames).filter_map(move |frame| {
-            self.truth.pose(frame, &mut right.local);
-            motion.pose(frame, &mut found.local);
-            self.all.turn(self.rig, &mut right);
-            self.all.turn(self.rig, &mut found);
-            let right = (&right, self.truth.weights(frame));
-            let found = (&found, motion.weights(frame));
-            self.near.farthest(self.all, right, found, limit)
+        let found = self.farthest(self.all, motion, 0..self.truth.frames, limit);
+        found.map(|(_, point)| point)
+    }
+
+    /// The frames in which a point is farther than `limit` from its place, with the farthest.
+    fn farthest(
+        &self,
+        near: &Near,
+        motion: &Truth,
+        mut frames: Range<usize>,
+        limit: f64,
+    ) -> impl Iterator<Item = (usize, usize)> {
+        let points = &near.points;
+        let (mut right, mut found) = (points.posed(self.rig), points.posed(self.rig));
+        std::iter::from_fn(move || {
+            frames.find_map(|frame| {
+                self.truth.pose(frame, &mut right.local);
+                motion.pose(frame, &mut found.local);
+                points.turn(self.rig, &mut right);
+                points.turn(self.rig, &mut found);
+                let right = (&right, self.truth.weights(frame));
+                let found = (&found, motion.weights(frame));
+                let point = near.blocks.farthest(points, right, found, limit)?;
+                Some((frame, point))
+            })
         })
     }
 
@@ -160,29 +214,19 @@ impl Judge<'_> {
         if !self.states_errors {
             return None;
         }
-        let places = self.all.len().saturating_mul(self.truth.frames);
-        let shown = self.all_shown.get_or_init(|| match places {
-            0..=MOST_PLACES => self.all.shown(self.rig, self.truth),
-            _ => Vec::new(),
-        });
-        let measure = Measure {
-            rig: self.rig,
-            points: self.all,
-            truth: self.truth,
-            shown: (!shown.is_empty()).then_some(shown),
-        };
+        let measure = self.measure(self.all, &self.all_shown);
         Some(measure.error(motion))
     }
 }
 
-/// Searches the greatest steps with an error within the tolerance at all points. `refine` makes a
-/// judge whose search includes further points.
+/// Searches the greatest steps with an error within the tolerance at all points. `refine` returns the
+/// points of the search with further ones.
 pub(super) fn finest<'a>(
     coding: &Coding<'_>,
     shares: &[f64],
     tolerance: f64,
     judge: &mut Judge<'a>,
-    refine: impl Fn(&[usize]) -> (SkinPoints, Vec<Vec3>),
+    refine: impl Fn(&[usize]) -> SkinPoints,
 ) -> Result<(Levels, Truth), Mismatch> {
     let quantise = |factor: f64| {
         let steps: Vec<f64> = shares
@@ -198,7 +242,7 @@ pub(super) fn finest<'a>(
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
             let (_, shown) = quantise(middle.libm_exp())?;
-            if judge.seems_within(&shown, tolerance) {
+            if judge.seems_within(|frames| judge.some_beyond(&shown, frames, tolerance)) {
                 low = middle;
             } else {
                 high = middle;
@@ -212,7 +256,7 @@ pub(super) fn finest<'a>(
         }
         if round + 1 < ROUNDS {
             added.extend(worst);
-            (judge.some, judge.shown) = refine(&added);
+            judge.search_at(refine(&added));
         }
     }
     // Steps are eighths of an octave: this ends, at the latest when each is the smallest there is.
@@ -238,6 +282,9 @@ pub(super) fn tiers(
     tolerance: f64,
 ) -> Vec<SkinError> {
     let mut errors: Vec<SkinError> = judge.stated(start).into_iter().collect();
+    let mut of_tiers: Vec<Vec<u8>> = Vec::new();
+    let mut shown = ShownPlanes::new(coding, levels, start);
+    let all = 0..judge.truth.frames;
     let mut above = vec![0_u8; levels.tracks.len()];
     for tier in 1..coding.head.tiers {
         let limit = tolerance * 3_f64.powi(tier as i32);
@@ -255,32 +302,40 @@ pub(super) fn tiers(
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
             let dropped = planes(middle.libm_exp());
-            let shown = coding.shown(levels, &dropped, start);
-            if judge.seems_within(&shown, limit) {
+            let is_within = judge.seems_within(|frames| {
+                let motion = shown.in_frames(&dropped, frames.clone());
+                judge.some_beyond(motion, frames, limit)
+            });
+            if is_within {
                 (low, best) = (middle, dropped);
             } else {
                 high = middle;
             }
         }
         let mut factor = low.libm_exp();
-        let mut shown = coding.shown(levels, &best, start);
-        let mut is_within = judge.beyond(&shown, limit).next().is_none();
-        while !is_within && best != above {
+        let mut is_within = |dropped: &[u8]| {
+            let motion = shown.in_frames(dropped, all.clone());
+            judge.beyond(motion, limit).next().is_none()
+        };
+        let mut is_found = is_within(&best);
+        while !is_found && best != above {
             factor *= 0.9;
             let dropped = planes(factor);
             if dropped != best {
+                is_found = is_within(&dropped);
                 best = dropped;
-                shown = coding.shown(levels, &best, start);
-                is_within = judge.beyond(&shown, limit).next().is_none();
             }
         }
-        for (track, dropped) in levels.tracks.iter_mut().zip(&best) {
-            if let TrackForm::Moving { planes, .. } = &mut track.form {
-                planes[tier..MOST_TIERS.min(coding.head.tiers)].fill(*dropped);
-            }
-        }
-        errors.extend(judge.stated(&shown));
+        errors.extend(judge.stated(shown.in_frames(&best, all.clone())));
+        of_tiers.push(best.clone());
         above = best;
+    }
+    for (tier, dropped) in (1..).zip(&of_tiers) {
+        for (track, dropped) in levels.tracks.iter_mut().zip(dropped) {
+            if let TrackForm::Moving { planes, .. } = &mut track.form {
+                planes[tier] = *dropped;
+            }
+        }
     }
     errors
 }
