@@ -11,7 +11,7 @@ use articula_build::{ClipOptions, rig_and_mesh, sampled_clip};
 use articula_core::face_levels::{FaceLevel, FaceLevels, FaceRegion, FapRole, FapRoles};
 use articula_core::fap_table::{LOW_FAPS, unit_mm};
 use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, RawMesh};
-use articula_core::{Articulation, Clip, Rig, Track};
+use articula_core::{Articulation, Clip, Mesh, Rig, Track};
 use articula_formats::Limits;
 use articula_stream::CutRule;
 use articula_stream::abp2::{
@@ -51,17 +51,27 @@ pub fn write(
         return Err(Error::unsuited("clips: the file has no clip to write"));
     };
     let (rig, mesh) = rig_and_mesh(&source.skeleton, &source.meshes, articulation.clone())?;
-    let mut options = MotionOptions {
-        rig_hash: rig_hash(&rig),
-        ..options.clone()
-    };
-    if options.morph_groups.is_empty() {
-        options.morph_groups = morph_groups(&source.meshes);
-    }
     let place = || format!("clip \"{}\"", of_source.name);
     let clip = sampled_clip(source, of_source, &mesh, &ClipOptions::default());
     let clip = clip.with_context(place)?;
-    encode(&rig, &mesh, &clip, &options).with_context(place)
+    write_sampled((&rig, &mesh), &source.meshes, &clip, options).with_context(place)
+}
+
+/// The same for a clip of a rig and a mesh that were built of these meshes.
+pub(crate) fn write_sampled(
+    (rig, mesh): (&Rig, &Mesh),
+    meshes: &[RawMesh],
+    clip: &Clip,
+    options: &MotionOptions,
+) -> Result<EncodedMotion> {
+    let mut options = MotionOptions {
+        rig_hash: rig_hash(rig),
+        ..options.clone()
+    };
+    if options.morph_groups.is_empty() {
+        options.morph_groups = morph_groups(meshes);
+    }
+    Ok(encode(rig, mesh, clip, &options)?)
 }
 
 /// Returns for each morph target of these meshes its level of articulation and region of the face: of

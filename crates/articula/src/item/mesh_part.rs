@@ -159,6 +159,7 @@ pub(super) fn part(
         stream: Cut { bytes, unit },
         finest: 0,
         poses: MEASURED_POSES,
+        full_every: FULL_EVERY,
     };
     measured_part(figure, clips, (made, whole), files, work)
 }
@@ -179,6 +180,7 @@ pub(super) fn base(
         stream: cut(bytes, &unit, is_kept).context(FILE)?,
         finest: coarsest,
         poses: MEASURED_POSES_OF_BASE,
+        full_every: usize::MAX,
     };
     measured_part(figure, clips, (made, base), files, work)
 }
@@ -188,8 +190,9 @@ struct Stage {
     stream: Cut,
     /// Its finest level.
     finest: usize,
-    /// Most poses that it is measured on.
+    /// Most poses that it is measured on, and of how many of them one counts for means and percentiles.
     poses: usize,
+    full_every: usize,
 }
 
 /// Adds the stream of a stage, and measures its layers in frames of these clips.
@@ -217,7 +220,8 @@ fn measured_part(
     let wanted = wanted.filter(|of| of.finest() >= stage.finest);
     let cuts: Vec<Triangles> = wanted.map(|of| shown.cut(of)).collect();
     work.step(WHAT, 0, 1)?;
-    let (distances, poses) = shown.measured(figure, clips, &cuts, stage.poses)?;
+    let (distances, poses) =
+        shown.measured(figure, clips, &cuts, (stage.poses, stage.full_every))?;
     work.step(WHAT, 1, 1)?;
     let measured = Measured { cuts, distances };
     let layers = measured.layers(count, base, &regions, &table.regions);
@@ -362,7 +366,7 @@ impl Shown {
         figure: &Figure,
         clips: &[usize],
         cuts: &[Triangles],
-        most_poses: usize,
+        (most_poses, full_every): (usize, usize),
     ) -> Result<(Vec<LevelDistances>, MeasurementPoses), Mismatch> {
         let triangles: Vec<&[[u32; 3]]> = cuts.iter().map(|c| c.triangles.as_slice()).collect();
         let of_figure = &figure.asset.clips;
@@ -380,7 +384,7 @@ impl Shown {
         let opts = MeshLevelOptions {
             poses,
             distance: DistanceOptions {
-                full_every: FULL_EVERY,
+                full_every,
                 ..DistanceOptions::default()
             },
             ..MeshLevelOptions::default()

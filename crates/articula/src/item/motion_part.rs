@@ -3,7 +3,7 @@
 use super::files::NewFiles;
 use super::motion_error::{MOST_FRAMES, MotionError, measured, measured_frames};
 use super::part::{ItemLayer, ItemPart, PartKind, RegionEntry};
-use crate::clip_streams::abp2::{decode, write};
+use crate::clip_streams::abp2::{decode, write_sampled};
 use crate::clip_streams::region_name;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
@@ -33,13 +33,19 @@ impl CodedMotion {
         clip: usize,
         (stem, options): (&str, &MotionOptions),
     ) -> Result<Self> {
-        let opened = &figure.opened;
+        let asset = &figure.asset;
         let options = MotionOptions {
             // Those of its layers are measured.
             errors: false,
             ..options.clone()
         };
-        let made = write(opened.character(), &opened.articulation(), clip, &options)?;
+        let meshes = &figure.opened.character().meshes;
+        let made = write_sampled(
+            (&asset.rig, &asset.mesh),
+            meshes,
+            &asset.clips[clip],
+            &options,
+        )?;
         Ok(Self {
             clip,
             file: format!("clips/{stem}.abp"),

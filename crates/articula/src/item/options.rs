@@ -84,8 +84,8 @@ impl PackageOptions {
     pub(super) fn of_mesh(&self) -> MeshLevelOptions {
         MeshLevelOptions {
             split: self.split.clone(),
-            // What a client decodes is measured again.
-            full_every: 4,
+            // What a client decodes is measured again; of these errors the greatest decide.
+            full_every: usize::MAX,
             sizes_alone: false,
             // The coarsest level is most of the least that an item can be cut to.
             halvings: 3,
