@@ -120,6 +120,8 @@ pub struct FramedCharacter<'a> {
     /// Times of the frames, in seconds of the clip.
     pub frame_times_secs: Vec<f64>,
     regions: Vec<JudgedRegion>,
+    /// Whether each triangle of the character is visible in some frame; empty until it is known.
+    seen: Vec<bool>,
     /// Factors on the weight of an error at features of the face; empty until visible triangles are known.
     features: Vec<f32>,
     tried: Vec<TriedTriangles>,
@@ -169,6 +171,7 @@ impl<'a> FramedCharacter<'a> {
             triangles: figure.asset.mesh.triangles.clone(),
             frame_times_secs,
             regions: judged_regions(figure),
+            seen: Vec::new(),
             features: Vec::new(),
             tried: Vec::new(),
             count: None,
@@ -177,10 +180,9 @@ impl<'a> FramedCharacter<'a> {
         work.step(LOOKING, 0, 2)?;
         framed.put_up_camera()?;
         work.step(LOOKING, 1, 2)?;
-        let seen = framed.seen()?;
-        framed.features = features(&framed.whole(), &seen, &framed.regions);
+        framed.look()?;
         work.step(LOOKING, 2, 2)?;
-        framed.thin_out(&seen, work)?;
+        framed.thin_out(work)?;
         Ok(framed)
     }
 
@@ -205,9 +207,10 @@ impl<'a> FramedCharacter<'a> {
             count: Some(count),
             ..self.clone()
         };
-        let seen = framed.seen()?;
-        framed.features = features(&framed.whole(), &seen, &framed.regions);
-        framed.triangles = framed.simplified(&seen, count, self.weights)?;
+        if framed.seen.is_empty() {
+            framed.look()?;
+        }
+        framed.triangles = framed.simplified(count, self.weights)?;
         Ok(framed)
     }
 
@@ -257,6 +260,7 @@ impl<'a> FramedCharacter<'a> {
             triangles: parts.triangles,
             frame_times_secs: parts.frame_times_secs,
             regions: judged_regions(figure),
+            seen: Vec::new(),
             features: Vec::new(),
             tried: Vec::new(),
             count: None,
@@ -390,29 +394,29 @@ impl<'a> FramedCharacter<'a> {
         Ok(())
     }
 
-    /// Whether each triangle of the character is visible in some frame.
-    fn seen(&self) -> Result<Vec<bool>> {
-        if self.shot.triangles == TriangleCount::All {
-            return Ok(Vec::new());
+    /// Finds the triangles that are visible in some frame, and the features among them; not if all are kept.
+    fn look(&mut self) -> Result<()> {
+        if self.shot.triangles != TriangleCount::All {
+            let seen = self.whole().seen(&self.looks(), &self.options);
+            self.seen = seen.context(self.figure.opened.name())?;
         }
-        self.whole()
-            .seen(&self.looks(), &self.options)
-            .context(self.figure.opened.name())
+        self.features = features(&self.whole(), &self.seen, &self.regions);
+        Ok(())
     }
 
     /// Removes triangles that are never visible, and simplifies to the target number.
-    fn thin_out(&mut self, seen: &[bool], work: &Executor<'_>) -> Result<()> {
+    fn thin_out(&mut self, work: &Executor<'_>) -> Result<()> {
         match self.shot.triangles {
             TriangleCount::All => {}
             TriangleCount::About(count) => {
                 self.count = Some(count);
                 if self.triangles.len() > count {
-                    self.triangles = self.simplified(seen, count, self.weights)?;
+                    self.triangles = self.simplified(count, self.weights)?;
                 }
             }
             TriangleCount::Judged { least } => {
                 if self.triangles.len() > least {
-                    self.judge(seen, least, work)?;
+                    self.judge(least, work)?;
                 }
             }
         }
@@ -421,17 +425,12 @@ impl<'a> FramedCharacter<'a> {
 
     /// The visible triangles, simplified to a target number; repeated once with a higher number if
     /// more than a tenth of the result is hidden.
-    fn simplified(
-        &self,
-        seen: &[bool],
-        count: usize,
-        weights: RegionWeights,
-    ) -> Result<Vec<[u32; 3]>> {
+    fn simplified(&self, count: usize, weights: RegionWeights) -> Result<Vec<[u32; 3]>> {
         let place = || self.figure.opened.name();
         let asset = &self.figure.asset;
         let clip = self.shot.clip;
         let weights = vertex_weights(&self.regions, &self.features, weights);
-        let triangles = decimate(asset, seen, clip, count, &weights).with_context(place)?;
+        let triangles = decimate(asset, &self.seen, clip, count, &weights).with_context(place)?;
         let shown = PlanarSubject {
             triangles: &triangles,
             ..self.subject()
@@ -439,16 +438,17 @@ impl<'a> FramedCharacter<'a> {
         let few = bake(&shown, &self.looks(), &self.options).with_context(place)?;
         let drawn = few.triangles_seen().with_context(place)?;
         let share = drawn as f64 / triangles.len().max(1) as f64;
-        if share < 0.9 && share > 0.0 {
-            let more = ((count as f64 / share) as usize).min(MAX_TRIANGLES);
-            return decimate(asset, seen, clip, more, &weights).with_context(place);
+        let more = ((count as f64 / share) as usize).min(MAX_TRIANGLES);
+        // What stays above that number has nothing left that may be removed.
+        if share < 0.9 && share > 0.0 && triangles.len() <= more {
+            return decimate(asset, &self.seen, clip, more, &weights).with_context(place);
         }
         Ok(triangles)
     }
 
     /// Simplifies to the fewest triangles whose largest local differences are within the bounds.
     /// The weight of the worst region is raised as long as that helps, then the count.
-    fn judge(&mut self, seen: &[bool], least: usize, work: &Executor<'_>) -> Result<()> {
+    fn judge(&mut self, least: usize, work: &Executor<'_>) -> Result<()> {
         let times = self.judged_times();
         let source = self.source_frames(&times)?;
         let mut results = Vec::new();
@@ -456,19 +456,20 @@ impl<'a> FramedCharacter<'a> {
         for (step, multiple) in COUNTS.into_iter().enumerate() {
             work.step(JUDGING, step, COUNTS.len())?;
             let count = ((multiple * least as f64).round() as usize).min(MAX_TRIANGLES);
-            let mut held = self.attempt(seen, count, weights, &source, &mut results)?;
+            let mut held = self.attempt(count, weights, &source, &mut results)?;
             while held.excess().1 > 1.0 {
                 let Some(raised) = weights.raised(held.excess().0) else {
                     break;
                 };
-                let next = self.attempt(seen, count, raised, &source, &mut results)?;
+                let next = self.attempt(count, raised, &source, &mut results)?;
                 if next.excess().1 >= held.excess().1 {
                     break;
                 }
                 (weights, held) = (raised, next);
             }
             // Further counts change nothing if all visible triangles are left.
-            if held.excess().1 <= 1.0 || held.triangles >= seen.iter().filter(|s| **s).count() {
+            if held.excess().1 <= 1.0 || held.triangles >= self.seen.iter().filter(|s| **s).count()
+            {
                 break;
             }
         }
@@ -486,14 +487,13 @@ impl<'a> FramedCharacter<'a> {
     /// Simplifies and compares with the character itself; adds the result to `results`.
     fn attempt(
         &self,
-        seen: &[bool],
         count: usize,
         weights: RegionWeights,
         source: &SourceFrames,
         results: &mut Vec<(TriedTriangles, Vec<[u32; 3]>)>,
     ) -> Result<TriedTriangles> {
         let place = || self.figure.opened.name();
-        let triangles = self.simplified(seen, count, weights)?;
+        let triangles = self.simplified(count, weights)?;
         let shown = PlanarSubject {
             triangles: &triangles,
             ..self.subject()

@@ -32,8 +32,6 @@ use articula_flat::flatten::{
     Flattened, PrepareClipOptions, PreparedClip, ReferenceFrames, Settings, SourceTime,
     dropped_detail, flatten as write, flatten_live, sampled_frames,
 };
-#[cfg(feature = "item")]
-use articula_flat::flatten::{Unmeasured, flatten_unmeasured};
 use articula_flat::planar::OrderOptions;
 use articula_flat::vector::player::LiveSource;
 
@@ -77,19 +75,17 @@ pub fn flatten(
     detailed(framed, flat)
 }
 
-/// A file like that of [`flatten()`], of which nothing is measured but the error in position.
+/// A framed character, ready to be written.
 #[cfg(feature = "item")]
-pub(crate) fn unmeasured(
+pub(crate) fn prepared(
     framed: &FramedCharacter<'_>,
     options: &PrepareClipOptions,
-    settings: &Settings,
     work: &Executor<'_>,
-) -> Result<Unmeasured> {
+) -> Result<PreparedClip> {
     work.step("projecting", 0, 1)?;
     let clip = framed.clip()?;
     work.with_progress("computing the painting order", |p| {
-        let prepared = PreparedClip::new(clip, options, p)?;
-        flatten_unmeasured(&prepared, settings)
+        PreparedClip::new(clip, options, p)
     })
     .with_context(|| framed.name())
 }

@@ -8,15 +8,18 @@ use super::manifest::FlatEntry;
 use super::name::Names;
 use super::options::PackageOptions;
 use super::sent::FileEntry;
-use crate::error::{Error, Result};
+use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
-use crate::flatten::{FramedCharacter, Shot, TriangleCount, unmeasured};
+use crate::flatten::{FramedCharacter, Shot, TriangleCount, prepared};
 use crate::work::Executor;
 use articula_core::{Clip, Viewport};
-use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings, Unmeasured};
+use articula_flat::flatten::{PrepareClipOptions, PreparedClip, Profile, Quality, Settings};
+use articula_flat::flatten::{Unmeasured, flatten_unmeasured};
+use articula_flat::planar::Shading;
 
-/// Frames per second of the animated picture.
+/// Frames per second of the animated picture, and most frames: a longer clip has fewer a second.
 const FPS: f32 = 12.0;
+const MOST_FRAMES: f32 = 96.0;
 /// Triangles of a form, and the fewest.
 const TRIANGLES: usize = 600;
 const FEWEST: usize = 50;
@@ -33,6 +36,8 @@ const ATTEMPTS: usize = 5;
 const AIM: f64 = 0.95;
 /// How many times as many bytes as allowed an animated picture may have before coarser tolerances.
 const SAVED: f64 = 2.0;
+/// The same of one that is made with a colour for each triangle at once.
+const MUCH_TOO_LARGE: f64 = 8.0;
 
 /// The forms, and what could not be made.
 #[derive(Debug, Default)]
@@ -106,9 +111,10 @@ struct Maker<'a> {
 impl<'a> Maker<'a> {
     /// The character, seen by a camera that has all of the clip in view.
     fn framed(&self) -> Result<FramedCharacter<'a>> {
+        let secs = self.of_clip().map_or(0.0, Clip::duration_secs);
         let shot = Shot {
             clip: self.clip,
-            fps: FPS,
+            fps: FPS.min(MOST_FRAMES / secs.max(1.0)),
             viewport: Viewport {
                 width_px: self.options.flat_px as f32,
                 height_px: self.options.flat_px as f32,
@@ -129,7 +135,7 @@ impl<'a> Maker<'a> {
         };
         let made = self.within(first, Profile::Smil, MOST_MOVING)?;
         let clip = self.of_clip().map(|clip| clip.name.clone());
-        Ok(self.entry(made, clip, 0.0))
+        Ok(self.entry(made, clip, between_px(framed)?))
     }
 
     fn still(&self, framed: &FramedCharacter<'a>) -> Result<Form> {
@@ -160,25 +166,40 @@ impl<'a> Maker<'a> {
             name: self.of_clip().map_or("still", |clip| &clip.name).to_owned(),
             max_bytes: None,
         };
-        let flat = |framed: &FramedCharacter<'a>, settings: &Settings| {
-            let made = unmeasured(framed, &PrepareClipOptions::default(), settings, self.work)?;
+        let ready = |framed: &FramedCharacter<'a>| {
+            prepared(framed, &PrepareClipOptions::default(), self.work)
+        };
+        let flat = |ready: &PreparedClip, settings: &Settings| {
+            let made = flatten_unmeasured(ready, settings);
+            let made = made.with_context(|| self.figure.opened.name())?;
             let sent = FileEntry::of("form.svg", &made.bytes).sent_bytes();
             Ok::<_, Error>((made, sent))
         };
-        let (mut best, mut sent) = flat(&framed, &settings)?;
+        let mut clip = ready(&framed)?;
+        let (mut best, mut sent) = flat(&clip, &settings)?;
         let (mut raw, mut drawn) = (best.bytes.len(), best.triangles_drawn);
         // Coarser tolerances save about a half at first, fewer triangles the rest.
         let mut saved = if best.frames > 1 { SAVED } else { 1.0 };
+        if best.frames > 1 && sent as f64 > MUCH_TOO_LARGE * most as f64 {
+            settings.quality.shading = Shading::Flat;
+        }
+        // Whether half of the triangles were asked for and none is fewer.
+        let mut is_least = false;
         for _ in 0..ATTEMPTS {
             let share = AIM * most as f64 / sent.max(1) as f64;
-            if sent <= most {
+            if sent <= most || is_least {
                 break;
             }
             settings.max_bytes = Some((share * best.bytes.len().min(raw) as f64) as u64);
-            let wanted = drawn as f64 * (share * saved).min(1.0);
+            let wanted = (drawn as f64 * (share * saved).min(1.0)) as usize;
             saved = 1.0;
-            framed = framed.with_triangles((wanted as usize).max(FEWEST))?;
-            let (made, of_made) = flat(&framed, &settings)?;
+            let fewer = framed.with_triangles(wanted.max(FEWEST))?;
+            is_least = 2 * wanted < drawn && fewer.triangles.len() >= framed.triangles.len();
+            if fewer.triangles != framed.triangles {
+                clip = ready(&fewer)?;
+            }
+            framed = fewer;
+            let (made, of_made) = flat(&clip, &settings)?;
             (raw, drawn) = (made.bytes.len(), made.triangles_drawn);
             if of_made < sent {
                 (best, sent) = (made, of_made);
@@ -200,6 +221,28 @@ impl<'a> Maker<'a> {
         };
         (entry, made.bytes)
     }
+}
+
+/// The root mean square distance on the screen of points, halfway between two frames, from the middle of their
+/// places in both: what an animated picture is off by there.
+fn between_px(framed: &FramedCharacter<'_>) -> Result<f64> {
+    let pairs = framed.frame_times_secs.windows(2);
+    let some = pairs.len().div_ceil(COMPARED as usize).max(1);
+    let moments = pairs
+        .step_by(some)
+        .flat_map(|pair| [pair[0], (pair[0] + pair[1]) / 2.0, pair[1]]);
+    let shown = framed.at(&moments.collect::<Vec<f64>>())?;
+    let (mut sum, mut count) = (0.0, 0);
+    for frames in shown.frames.chunks_exact(3) {
+        let both = frames[0].xy.iter().zip(&frames[2].xy);
+        for (middle, (before, after)) in frames[1].xy.iter().zip(both) {
+            let squared = f64::from(middle.distance_squared((*before + *after) / 2.0));
+            if squared.is_finite() {
+                (sum, count) = (sum + squared, count + 1);
+            }
+        }
+    }
+    Ok((sum / f64::from(count.max(1))).sqrt())
 }
 
 /// The greatest distance on the screen of a point of a moving character from its place in the first
