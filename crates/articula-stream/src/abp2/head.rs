@@ -522,6 +522,28 @@ impl Fields<'_> {
 mod tests {
     use super::*;
 
+    #[test]
+    fn access_units_of_frames_are_those_that_have_some_of_them() {
+        for (frames, access_units) in [(41, 2), (41, 41), (7, 3), (100, 9), (1, 0)] {
+            let head = MotionHead {
+                frames,
+                access_units,
+                ..head()
+            };
+            for (start, end) in
+                (0..frames).flat_map(|start| (start..=frames).map(move |e| (start, e)))
+            {
+                let shares = |i: &usize| {
+                    let of = head.frames_of(*i);
+                    of.start.max(start) < of.end.min(end)
+                };
+                let expected: Vec<usize> = (0..access_units).filter(shares).collect();
+                let found: Vec<usize> = head.access_units_of(start..end).collect();
+                assert_eq!(found, expected, "{start}..{end} of {frames}");
+            }
+        }
+    }
+
     fn head() -> MotionHead {
         let group = |loa, region| Group {
             loa,

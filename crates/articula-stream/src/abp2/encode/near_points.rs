@@ -363,4 +363,4 @@ fn greatest(numbers: impl Iterator<Item = f32>) -> f32 {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

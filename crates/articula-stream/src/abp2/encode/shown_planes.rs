@@ -54,3 +54,77 @@ impl<'a> ShownPlanes<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::abp2::encode::near_points::tests::{rig, tube};
+    use crate::abp2::encode::skin_points::{SkinPoints, offsets_by_vertex};
+    use crate::abp2::encode::{MotionOptions, head, levers::Rest, plan::plan};
+    use articula_core::{Clip, Track, Tracks};
+    use articula_mutate::Dice;
+    use glam::Quat;
+
+    /// A clip that turns all joints of the chain and moves the morph target.
+    fn waving() -> Clip {
+        let track = |joint: u16| Track {
+            target: joint,
+            step: false,
+            values: (0..50)
+                .map(|f| Quat::from_rotation_z(0.3 * (0.2 * f as f32 + f32::from(joint)).sin()))
+                .collect(),
+        };
+        let tracks = Tracks {
+            rotations: (0..5).map(track).collect(),
+            morphs: vec![Track {
+                target: 0,
+                step: false,
+                values: (0..50).map(|f| (0.3 * f as f32).cos()).collect(),
+            }],
+            ..Tracks::default()
+        };
+        Clip::new("waving", 25.0, 50, 5, tracks).unwrap()
+    }
+
+    #[test]
+    fn what_is_decoded_in_part_is_what_all_tracks_show() {
+        let (rig, mesh, clip) = (rig(), tube(), waving());
+        let options = MotionOptions {
+            access_unit_secs: 0.5,
+            ..MotionOptions::default()
+        };
+        let head = head(&rig, &mesh, &clip, &options).unwrap();
+        assert!(head.access_units > 3);
+        let truth = Truth::new(&rig, &mesh, &clip);
+        let offsets = offsets_by_vertex(&mesh);
+        let points = SkinPoints::of_vertices(&mesh, &offsets, 0..mesh.len());
+        let rest = Rest::new(&rig, &points, &mesh.morph_weights);
+        let planned = plan(&rig, &points, &rest, &truth);
+        assert_eq!(planned.iter().filter(|track| track.moves).count(), 6);
+        let coding = Coding::new(&rig, &head, &truth, &planned);
+        let steps = vec![1e-4; planned.len()];
+        let (levels, whole) = coding.quantise(&steps).unwrap();
+        let mut shown = ShownPlanes::new(&coding, &levels, &whole);
+        let mut dice = Dice::new(3);
+        let mut last = whole.clone();
+        for _ in 0..12 {
+            let dropped: Vec<u8> = planned.iter().map(|_| dice.roll(5) as u8).collect();
+            let expected = coding.shown(&levels, &dropped, &whole);
+            assert_ne!(expected.rotations, last.rotations);
+            let at = dice.roll(50);
+            let found = shown.in_frames(&dropped, at..at + 1);
+            let of_frame = at * 5..(at + 1) * 5;
+            assert_eq!(
+                found.rotations[of_frame.clone()],
+                expected.rotations[of_frame]
+            );
+            assert_eq!(found.weights(at), expected.weights(at));
+            if dice.roll(2) == 0 {
+                let found = shown.in_frames(&dropped, 0..50);
+                assert_eq!(found.rotations, expected.rotations);
+                assert_eq!(found.weights, expected.weights);
+            }
+            last = expected;
+        }
+    }
+}

@@ -1,3 +1,5 @@
+//! Bounds against the distances of all points.
+
 use super::*;
 use crate::abp2::encode::skin_points::offsets_by_vertex;
 use articula_core::source::{Joint, Skeleton};
@@ -12,7 +14,7 @@ const JOINTS: usize = 5;
 const RINGS: usize = 60;
 const AROUND: usize = 8;
 
-fn rig() -> Rig {
+pub(in crate::abp2::encode) fn rig() -> Rig {
     let joint = |j: usize| Joint {
         name: format!("joint {j}"),
         parent: j.checked_sub(1),
@@ -36,7 +38,7 @@ fn rig() -> Rig {
 }
 
 /// A tube around the chain that follows two joints everywhere; a morph target moves part of it.
-fn tube() -> Mesh {
+pub(in crate::abp2::encode) fn tube() -> Mesh {
     let mut mesh = Mesh {
         influences: 2,
         morph_weights: vec![0.5],
