@@ -183,24 +183,27 @@ impl<'a> Maker<'a> {
         if best.frames > 1 && sent as f64 > MUCH_TOO_LARGE * most as f64 {
             settings.quality.shading = Shading::Flat;
         }
-        // Whether half of the triangles were asked for and none is fewer.
-        let mut is_least = false;
+        // Whether the coarsest tolerances were tried on these triangles.
+        let mut is_coarsest = false;
         for _ in 0..ATTEMPTS {
             let share = AIM * most as f64 / sent.max(1) as f64;
-            if sent <= most || is_least {
+            if sent <= most {
                 break;
             }
-            settings.max_bytes = Some((share * best.bytes.len().min(raw) as f64) as u64);
+            let allowed = (share * best.bytes.len().min(raw) as f64) as u64;
+            settings.max_bytes = Some(allowed);
             let wanted = (drawn as f64 * (share * saved).min(1.0)) as usize;
             saved = 1.0;
             let fewer = framed.with_triangles(wanted.max(FEWEST))?;
-            is_least = 2 * wanted < drawn && fewer.triangles.len() >= framed.triangles.len();
             if fewer.triangles != framed.triangles {
                 clip = ready(&fewer)?;
+            } else if is_coarsest {
+                break;
             }
             framed = fewer;
             let (made, of_made) = flat(&clip, &settings)?;
             (raw, drawn) = (made.bytes.len(), made.triangles_drawn);
+            is_coarsest = raw as u64 > allowed;
             if of_made < sent {
                 (best, sent) = (made, of_made);
             }
