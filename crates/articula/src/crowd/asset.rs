@@ -5,6 +5,7 @@ use super::impostors::CrowdImpostors;
 use super::mesh_lods::{
     LevelledMeshes, MAX_MESH_LEVELS, MeshLevelTriangles, MeshLods, mesh_level_triangles,
 };
+use super::named_events::events_by_clip;
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
 use crate::error::{Context, Result};
@@ -78,20 +79,20 @@ impl CrowdAsset {
     }
 
     fn of_figure(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
-        let stored = figure.stored();
+        let mut stored = figure.stored();
         let mut character = in_place(figure, options.root_motion, stored.as_ref())?;
         let kept = kept_clips(&character.asset.clips, &options.clips)?;
-        let is_whole = kept.iter().all(|kept| *kept);
         keep(&mut character.asset.clips, &kept);
         keep(&mut character.paths, &kept);
+        if let Some(stored) = &mut stored {
+            stored.keep_clips(kept);
+        }
         character
             .warnings
             .extend(unmapped(&character.asset, &options.joints));
-        // Stored levels are those of all clips in place.
+        // Stored levels are those of clips in place.
         let levels = stored.as_ref().filter(|s| {
-            is_whole
-                && s.seed() == options.seed
-                && options.root_motion != RootMotionPolicy::AsAuthored
+            s.seed() == options.seed && options.root_motion != RootMotionPolicy::AsAuthored
         });
         let mut crowd = Self::prepared(character, (Some(figure), levels), options, work)?;
         if let (Some(shared), Some(stored)) = (Arc::get_mut(&mut crowd.0), stored) {
@@ -381,6 +382,7 @@ fn model(
     let mut errors = levels.errors.clone();
     let morphs = morph_clips(asset, &mut errors)?;
     Ok(CrowdModel::new(CrowdParts {
+        events: events_by_clip(&options.events, &asset.clips)?,
         form: options.form,
         backend: options.backend,
         paths,

@@ -24,6 +24,7 @@ mod asset;
 mod buffer_manifest;
 mod buffer_vertices;
 mod buffers;
+mod cache_places;
 mod cached_draws;
 mod draws;
 mod face_levels;
@@ -42,6 +43,7 @@ mod measured_scene;
 pub(crate) mod mesh_lods;
 mod morph_order;
 mod morph_use;
+mod named_events;
 #[cfg(not(feature = "flat"))]
 mod no_impostors;
 mod options;
@@ -83,6 +85,7 @@ pub use measure_options::{FrameClocks, MeasureOptions};
 pub use measured_scene::measure_scene;
 pub use mesh_lods::MAX_MESH_LEVELS;
 pub use morph_use::{MorphLevelUse, MorphUse};
+pub use named_events::events_by_clip;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
@@ -95,8 +98,8 @@ pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 pub use spread::Spread;
 
 pub use articula_core::crowd::{
-    Budget, BudgetReport, CacheUse, Crowd, CrowdEvent, CrowdReport, CrowdSection, Culling, Detail,
-    Draw, DrawKind, ImpostorDraw,
+    Budget, BudgetReport, CacheUse, ClipEvent, Crowd, CrowdEvent, CrowdReport, CrowdSection,
+    Culling, Detail, Draw, DrawKind, ImpostorDraw,
 };
 pub use articula_core::visibility::View;
 pub use articula_core::{Backend, Camera, ClipStorage, PaletteForm, Viewport};

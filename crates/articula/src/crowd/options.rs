@@ -1,5 +1,6 @@
 //! Options of crowd preparation.
 
+use articula_core::crowd::ClipEvent;
 use articula_core::loa::LoaExpression;
 use articula_core::{Backend, ClipStorage, PaletteForm};
 
@@ -52,8 +53,11 @@ pub enum RootMotionPolicy {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrowdOptions {
-    /// Names of the clips to be played, in the order of the file; empty for all.
+    /// Names of the clips to be played, in the order of the file; empty for all. Levels that a file stores serve each
+    /// choice of its clips, in place ([`RootMotionPolicy`]); else they are made for those chosen.
     pub clips: Vec<String>,
+    /// Events of clips, each with the name of its clip, which is one of those played.
+    pub events: Vec<(String, ClipEvent)>,
     /// Treatment of clips with root motion.
     pub root_motion: RootMotionPolicy,
     /// Method by which joint LODs are made.
@@ -88,6 +92,7 @@ impl Default for CrowdOptions {
     fn default() -> Self {
         Self {
             clips: Vec::new(),
+            events: Vec::new(),
             root_motion: RootMotionPolicy::default(),
             joints: JointLodMethod::default(),
             mesh_levels: None,

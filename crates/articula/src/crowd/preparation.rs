@@ -1,6 +1,7 @@
 //! The steps of preparing a character for crowds. Each uses what the asset stores, and computes it
-//! otherwise; the result is the same.
+//! otherwise; the result is the same, of all clips. Of a choice of them the levels that are stored are those for all.
 
+use super::cache_places::close_gaps;
 use super::in_place::{put_in_place, root_path};
 use super::options::{JointLodMethod, RootMotionPolicy};
 use crate::error::{Context, Result};
@@ -175,7 +176,10 @@ pub(crate) fn pose_cache(
     // Keys are chosen for the errors of palettes in full precision.
     if let Some((stored, is_paired)) = stored.filter(|_| opts.form == PaletteForm::Matrix) {
         let counts = (clips.clips(), levels.joint_lods.levels());
-        let keys = stored.cache_keys(is_paired, counts);
+        let mut keys = stored.cache_keys(is_paired, counts);
+        if let Some(keys) = keys.as_mut().filter(|_| stored.leaves_clips_out()) {
+            close_gaps(keys, map);
+        }
         match keys.map(|k| cache_of_keys(clips, map, (&k.keys, &k.steps), opts)) {
             Some(Ok(cache)) => return Ok(cache),
             Some(Err(error)) => stored.refuse("poseCache", &error.to_string()),

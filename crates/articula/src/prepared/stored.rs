@@ -22,6 +22,8 @@ pub(crate) struct Stored<'a> {
     document: &'a Document,
     meshes: &'a [RawMesh],
     header: PreparedHeader,
+    /// Which of its clips are played; all without.
+    kept: Option<Vec<bool>>,
     /// Warnings about parts that were asked for and could not be used.
     warnings: RefCell<Vec<String>>,
 }
@@ -34,10 +36,32 @@ impl<'a> Stored<'a> {
                 document,
                 meshes,
                 header,
+                kept: None,
                 warnings: RefCell::default(),
             }),
             _ => None,
         }
+    }
+
+    /// Leaves out clips from what is read from now on.
+    pub(crate) fn keep_clips(&mut self, kept: Vec<bool>) {
+        self.kept = Some(kept);
+    }
+
+    /// Whether any clip is left out.
+    pub(crate) fn leaves_clips_out(&self) -> bool {
+        let mut kept = self.kept.iter().flatten();
+        kept.any(|kept| !kept)
+    }
+
+    /// Checks a list with an entry for each stored clip, and leaves out those of clips that are not kept.
+    fn kept<T>(&self, at: &str, entries: &mut Vec<T>, clips: usize) -> Result<(), ReadError> {
+        if let Some(kept) = &self.kept {
+            same_count(at, entries.len(), kept.len())?;
+            let mut each = kept.iter();
+            entries.retain(|_| each.next().is_some_and(|kept| *kept));
+        }
+        same_count(at, entries.len(), clips)
     }
 
     pub(crate) fn seed(&self) -> u64 {
@@ -186,8 +210,8 @@ impl<'a> Stored<'a> {
 
     pub(crate) fn joint_levels(&self, rig: &Rig, clips: usize) -> Option<JointLevels> {
         self.read(part::JOINT_LEVELS, |bytes, limits| {
-            let levels = read_joint_levels(bytes, rig, limits)?;
-            same_count("errors.clips", levels.errors.clips.len(), clips)?;
+            let mut levels = read_joint_levels(bytes, rig, limits)?;
+            self.kept("errors.clips", &mut levels.errors.clips, clips)?;
             Ok(levels)
         })
     }
@@ -200,8 +224,8 @@ impl<'a> Stored<'a> {
 
     pub(crate) fn bounds(&self, clips: &[Clip]) -> Option<MotionBounds> {
         self.read(part::BOUNDS, |bytes, limits| {
-            let bounds = read_motion_bounds(bytes, limits)?;
-            same_count("clips", bounds.clips.len(), clips.len())?;
+            let mut bounds = read_motion_bounds(bytes, limits)?;
+            self.kept("clips", &mut bounds.clips, clips.len())?;
             Ok(bounds)
         })
     }
@@ -214,8 +238,8 @@ impl<'a> Stored<'a> {
         mesh_levels: usize,
     ) -> Option<PairedLevels> {
         self.read(part::PAIRED_LEVELS, |bytes, limits| {
-            let paired = read_paired_levels(bytes, limits)?;
-            same_count("errors.clips", paired.errors.clips.len(), clips)?;
+            let mut paired = read_paired_levels(bytes, limits)?;
+            self.kept("errors.clips", &mut paired.errors.clips, clips)?;
             let fits = |level: &FigureLevel| {
                 level.joint_level < joint_lods.levels()
                     && level.joints == joint_lods.joint_count(level.joint_level)
@@ -241,8 +265,9 @@ impl<'a> Stored<'a> {
             false => part::POSE_CACHE,
         };
         self.read_version(name, |bytes, version, limits| {
-            let keys = read_cache_keys(bytes, version, limits)?;
-            same_count("clips", keys.keys.len(), clips)?;
+            let mut keys = read_cache_keys(bytes, version, limits)?;
+            self.kept("clips", &mut keys.keys, clips)?;
+            self.kept("clips", &mut keys.steps, clips)?;
             for of_clip in &keys.keys {
                 same_count("levels", of_clip.len(), levels)?;
             }

@@ -1,5 +1,7 @@
 //! Prepared assets: what is stored gives what a fresh preparation gives, and is checked.
 
+mod chosen;
+
 use crate::crowd;
 use crate::real::file;
 use crate::short::shortened;
