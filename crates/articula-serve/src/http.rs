@@ -7,6 +7,7 @@ use crate::catalogue::{Catalogue, CharacterState, Progress};
 use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::objects::ObjectName;
+use crate::origins::shared;
 use crate::page::{list, path_of};
 use crate::reply::{CHANGING, blocking, fault, is_allowed, later, stored, unknown};
 use crate::upload::upload;
@@ -52,6 +53,8 @@ pub async fn serve(
 pub fn router(catalogue: Catalogue) -> axum::Router {
     let places = Arc::new(Semaphore::new(catalogue.options().most_requests));
     let watcher = catalogue.options().watcher.clone();
+    let origin = catalogue.options().allow_origin.as_deref();
+    let origin = origin.and_then(|origin| HeaderValue::from_str(origin).ok());
     let limited = (catalogue.clone(), places);
     axum::Router::new()
         .route("/", get(page))
@@ -72,6 +75,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .route("/healthz", get(|| async { "ok\n" }))
         .route("/readyz", get(ready))
         .route("/metrics", get(metrics))
+        .layer(from_fn_with_state(origin, shared))
         .layer(from_fn_with_state(watcher, watched))
         .with_state(catalogue)
 }

@@ -23,7 +23,7 @@
 //! - `cut`, `glb`: an item that is cut, and a character as one GLB, by query
 //! - `upload`: bodies that clients send; `watcher`: what each request was
 //! - `device_store`, `devices`: results of benchmarks of devices, and their routes
-//! - `http`: routes; `openapi`: the document of them
+//! - `http`: routes; `openapi`: the document of them; `origins`: pages that may read them
 //! - `paced`, `connections`: connections at a rate, so many at once, and how they end
 //!
 //! ```no_run
@@ -54,6 +54,7 @@ mod metrics;
 mod objects;
 mod openapi;
 mod options;
+mod origins;
 mod paced;
 mod page;
 mod plans;

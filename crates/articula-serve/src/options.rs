@@ -12,6 +12,8 @@ pub struct ServeOptions {
     pub read_only: bool,
     /// What a client that puts a character must know (`Authorization: Bearer TOKEN`); anyone may without.
     pub token: Option<String>,
+    /// Origin of web pages that may read what is served, such as `https://example.com`, or `*` for all; none without.
+    pub allow_origin: Option<String>,
     /// Most bytes of a character that is put.
     pub most_bytes: usize,
     /// Most characters that are put at once, whose bytes are in memory; others get 503.
@@ -54,6 +56,7 @@ impl Default for ServeOptions {
         Self {
             read_only: false,
             token: None,
+            allow_origin: None,
             most_bytes: 256 << 20,
             most_uploads: 8,
             least_upload_bps: 512e3,

@@ -34,6 +34,9 @@ pub(crate) struct ServeArgs {
     /// Take characters only from clients that send `Authorization: Bearer TOKEN`
     #[arg(long, value_name = "TOKEN")]
     token: Option<String>,
+    /// Let web pages of this origin read what is served, such as `https://example.com`; `*` lets all
+    #[arg(long, value_name = "ORIGIN", value_parser = origin)]
+    allow_origin: Option<String>,
 }
 
 /// Form of the lines about requests.
@@ -100,6 +103,7 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
     let options = ServeOptions {
         read_only: args.read_only,
         token: args.token.clone(),
+        allow_origin: args.allow_origin.clone(),
         throttle_bps: args.throttle_kbps.map(|kbps| 1e3 * kbps),
         watcher: args.log.watcher(),
         ..ServeOptions::default()
@@ -140,6 +144,22 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
 /// Parses a rate in kilobits per second.
 fn rate(text: &str) -> Result<f64, String> {
     number(text, |kbps| kbps >= 1.0, "a number from 1 on")
+}
+
+/// Parses an origin of web pages.
+fn origin(text: &str) -> Result<String, String> {
+    let host = ["http://", "https://"]
+        .iter()
+        .find_map(|scheme| text.strip_prefix(scheme));
+    let is_host =
+        |host: &str| !host.is_empty() && host.bytes().all(|b| b.is_ascii_graphic() && b != b'/');
+    match text == "*" || host.is_some_and(is_host) {
+        true => Ok(text.to_owned()),
+        false => Err(
+            "expected a scheme and host without a path, such as https://example.com, or *"
+                .to_owned(),
+        ),
+    }
 }
 
 /// Ends when the program is asked to end.

@@ -12,6 +12,7 @@ mod devices;
 #[path = "../../../articula-cli/tests/it/judges/mod.rs"]
 mod judges;
 mod openapi;
+mod origins;
 mod queries;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
