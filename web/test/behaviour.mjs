@@ -95,6 +95,17 @@ export const BEHAVIOUR = [
     ],
   },
   {
+    name: 'figures and crowds tell the events of clips',
+    call: ['clipEvents', []],
+    check: ({ clip, told, code, message }) => [
+      ...unless(
+        JSON.stringify(told) === JSON.stringify([[undefined, clip, 11], [undefined, clip, 12], [0, clip, 11], [1, clip, 12]]),
+        `told: ${JSON.stringify(told)}`,
+      ),
+      ...unless(code === 'argument' && message.includes('"fly"'), `${code}: ${message}`),
+    ],
+  },
+  {
     name: 'files of other formats open by a worker',
     call: ['otherFormat', []],
     check: ({ clips, joints }) => unless(clips === 1 && joints > 15, `${clips} clips, ${joints} joints`),

@@ -1,10 +1,10 @@
 // The examples of the READMEs, run as they stand.
 import { readFile } from 'node:fs/promises';
 
-/** Returns the first example of a README. */
-async function example(name) {
+/** Returns an example of a README, the first if not told. */
+export async function example(name, index = 0) {
   const text = await readFile(new URL(`../packages/${name}/README.md`, import.meta.url), 'utf8');
-  return text.match(/```js\n(.*?)```/s)[1];
+  return [...text.matchAll(/```js\n(.*?)```/gs)][index][1];
 }
 
 const lines = (code) => code.split('\n').filter((line) => line.trim() !== '').length;

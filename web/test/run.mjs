@@ -7,6 +7,7 @@ import { NUMBERS } from './numbers.mjs';
 import { PICTURES } from './pictures.mjs';
 import { READMES } from './readmes.mjs';
 import { serve } from './server.mjs';
+import { closeStore, STREAMS } from './streams.mjs';
 
 const OUT = new URL('./out/', import.meta.url);
 
@@ -22,7 +23,7 @@ const counts = { passed: 0, failed: 0 };
 try {
   await mkdir(OUT, { recursive: true });
   const words = process.argv.slice(2);
-  const all = [...NUMBERS, ...BEHAVIOUR, ...READMES, ...PICTURES];
+  const all = [...NUMBERS, ...BEHAVIOUR, ...READMES, ...STREAMS, ...PICTURES];
   for (const test of all.filter(({ name }) => words.every((word) => name.includes(word)))) {
     const faults = await run(test).catch((error) => [String(error)]);
     counts[faults.length === 0 ? 'passed' : 'failed'] += 1;
@@ -30,6 +31,7 @@ try {
   }
 } finally {
   await started.close();
+  await closeStore();
   server.close();
 }
 console.log(`${counts.passed} passed, ${counts.failed} failed`);
@@ -50,16 +52,23 @@ async function openPage() {
   return { page, errors };
 }
 
-/** Runs a test in a page of its own, or in the last if it shares it; returns what is wrong. */
-async function run({ name, share, call, check }) {
+/**
+ * Runs a test in a page of its own, or in the last if it shares it; returns what is wrong. What a test opens for its page
+ * adds arguments to the call, and may forgive errors.
+ */
+async function run({ name, share, open, call, check }) {
   if (share === undefined || share !== last?.share) {
     await last?.page.close();
     last = undefined;
     last = { share, ...(await openPage()) };
   }
   const { page, errors } = last;
+  const [method, args] = call;
   try {
-    const result = await page.evaluate(([method, args]) => window.tests[method](...args), call);
+    const opened = await open?.(page);
+    const all = [...args, ...(opened?.args ?? [])];
+    const result = await page.evaluate(([method, args]) => window.tests[method](...args), [method, all]);
+    opened?.forgive?.(errors);
     return [...errors.splice(0), ...(await check(result, (part, png) => save(`${name} ${part}`, png)))];
   } catch (error) {
     return [...errors.splice(0), String(error)];

@@ -6,7 +6,7 @@
 use crate::outcome::{Outcome, lacking};
 use crate::platform::{self, LIBRARY, PLAYBACK};
 use crate::processes::{answer, output, run};
-use crate::wasm_build::{TARGET, WHOLE, build_dev};
+use crate::wasm_build::TARGET;
 use crate::web;
 use crate::workspace::{cargo, target};
 use anyhow::Result;
@@ -85,7 +85,7 @@ pub(crate) fn playback() -> Result<Outcome> {
     if !platform::installed(TARGET) {
         return lacking("playback in node (wasm32 target not installed)".to_owned());
     }
-    build_dev(WHOLE)?;
+    let modules = web::dev_modules()?;
     let said = |script: &str, name: &str| {
         let module = platform::built(TARGET).join(format!("{name}.wasm"));
         output(Command::new("node").args(["-e", script]).arg(module))
@@ -95,6 +95,6 @@ pub(crate) fn playback() -> Result<Outcome> {
     std::fs::create_dir_all(&folder)?;
     let prepared = folder.join("prepared.glb");
     let steps = platform::compare_library("in node", &said(SAY, LIBRARY)?, &prepared)?;
-    web::test(&steps, &prepared)?;
+    web::test(&modules, &steps, &prepared)?;
     Ok(Outcome::Done)
 }

@@ -13,8 +13,9 @@ pub(crate) const SIMD: &str = "-C target-feature=+simd128";
 /// The crate of the modules for web pages.
 pub(crate) const PACKAGE: &str = "articula-wasm";
 
-/// Its feature that asks for the library which both modules share in tests.
-pub(crate) const WHOLE: &str = "articula-wasm/whole";
+/// Features of what is built in every call: of the program that hashes steps, its part that does, and all of the
+/// library, which modules share in tests.
+const SHARED: &str = "articula-playback-hash/library,articula-wasm/whole";
 
 /// Crates whose calculations take most of the time of the steps: optimised a little, the module is built and
 /// has run in less time.
@@ -26,17 +27,20 @@ const HEAVY: &[&str] = &[
     "glam",
 ];
 
-/// Builds what runs in node, with a feature of one of its packages. All packages are named in every call, so that
+/// Builds what runs in node, with some modules for web pages as one. All packages are named in every call, so that
 /// cargo compiles the library once.
-pub(crate) fn build_dev(feature: &str) -> Result<()> {
+pub(crate) fn build_dev(modules: &[&str]) -> Result<()> {
     let optimised = HEAVY.iter().flat_map(|name| {
         let setting = format!("profile.dev.package.{name}.opt-level=1");
         ["--config".to_owned(), setting]
     });
+    let features = modules.iter().map(|name| format!(",{PACKAGE}/{name}"));
+    let features = features.fold(SHARED.to_owned(), |all, one| all + &one);
     let words = ["build", "--quiet", "--target", TARGET];
     run(cargo()
         .args(words)
-        .args(["-p", PLAYBACK, "-p", PACKAGE, "--features", feature])
+        .args(["-p", PLAYBACK, "-p", PACKAGE, "--no-default-features"])
+        .args(["--features", &features])
         .args(optimised)
         .env("RUSTFLAGS", SIMD))
 }

@@ -1,11 +1,11 @@
 //! `cargo xtask web`: the modules for web pages, with what JavaScript and TypeScript need of them.
 //!
-//! Both are built from one crate. The generator of the JavaScript is a program of its own (`xtask-web`), which is
+//! All are built from one crate. The generator of the JavaScript is a program of its own (`xtask-web`), which is
 //! compiled when a module is made.
 
 use crate::platform;
 use crate::processes::{output, run};
-use crate::wasm_build::{PACKAGE, SIMD, TARGET, WHOLE, build_dev};
+use crate::wasm_build::{PACKAGE, SIMD, TARGET, build_dev};
 use crate::workspace::{cargo, root, target};
 use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
@@ -25,29 +25,42 @@ const ROWS: &str = "docs/results/web-sizes.csv";
 struct Module {
     name: &'static str,
     contents: &'static str,
-    features: &'static str,
-    /// Features of a build that shares the library with the other module.
-    dev_features: &'static str,
     /// Most bytes that it may take, compressed by brotli.
     limit: usize,
 }
 
-const MODULES: [Module; 2] = [
-    Module {
-        name: "play",
-        contents: "opening of GLB and VRM files, figures, crowds",
-        features: "articula-wasm/play",
-        dev_features: WHOLE,
-        limit: 600_000,
-    },
-    Module {
-        name: "tools",
-        contents: "the same for all formats; preparing, converting, retargeting, 2D output, packaging",
-        features: "articula-wasm/tools",
-        dev_features: "articula-wasm/tools",
-        limit: 1_400_000,
-    },
-];
+const PLAY: Module = Module {
+    name: "play",
+    contents: "opening of GLB and VRM files, figures, crowds",
+    limit: 600_000,
+};
+
+const TOOLS: Module = Module {
+    name: "tools",
+    contents: "preparing, converting, retargeting and describing files of all formats",
+    limit: 1_420_000,
+};
+
+const STREAM: Module = Module {
+    name: "stream",
+    contents: "characters of a server while they arrive",
+    limit: 1_100_000,
+};
+
+const PUBLISH: Module = Module {
+    name: "publish",
+    contents: "2D output, packaging",
+    limit: 1_600_000,
+};
+
+const MODULES: [&Module; 4] = [&PLAY, &TOOLS, &STREAM, &PUBLISH];
+
+/// Modules that a page loads of which it has a file that is not prepared, and what they may take together.
+const USUAL: [&Module; 2] = [&PLAY, &TOOLS];
+const USUAL_LIMIT: usize = 2_000_000;
+
+/// Modules that tests take from one build, with the contents of all of them: those of pages, and those of workers.
+const DEV_MODULES: [[&Module; 2]; 2] = [[&PLAY, &STREAM], [&TOOLS, &PUBLISH]];
 
 /// What was asked for.
 #[derive(Debug, Default, PartialEq)]
@@ -88,14 +101,18 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
         return Ok(());
     }
     let mut sizes = Vec::new();
-    for module in &MODULES {
+    for module in MODULES {
         let words = ["build", "--quiet", "--profile", "web", "-p", PACKAGE];
-        let features = ["--target", TARGET, "--features", module.features];
-        run(cargo().args(words).args(features).env("RUSTFLAGS", SIMD))?;
+        let features = ["--no-default-features", "--features", module.name];
+        run(cargo()
+            .args(words)
+            .args(["--target", TARGET])
+            .args(features)
+            .env("RUSTFLAGS", SIMD))?;
         generate(&target().join(TARGET).join("web"), module)?;
         sizes.push(Size::of(module)?);
     }
-    print!("{}", table(&sizes));
+    print!("{}\n{}", table(&sizes), together(&sizes));
     if options.write {
         std::fs::write(root().join(PAGE), page(&sizes)).context(PAGE)?;
         std::fs::write(root().join(ROWS), rows(&sizes)).context(ROWS)?;
@@ -106,17 +123,18 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
 /// Builds the modules as the tests in node are built, with the library compiled once for all, and returns their
 /// folder.
 pub(crate) fn dev_modules() -> Result<PathBuf> {
-    for module in &MODULES {
-        build_dev(module.dev_features)?;
-        generate(&platform::built(TARGET), module)?;
+    for modules in DEV_MODULES {
+        build_dev(&modules.map(|module| module.name))?;
+        for module in modules {
+            generate(&platform::built(TARGET), module)?;
+        }
     }
     Ok(root().join(FOLDER))
 }
 
-/// Tests the modules in node. `steps` are the lines of [`LIBRARY`](platform::LIBRARY) on this machine, and `prepared`
+/// Tests the modules of a folder in node. `steps` are the lines of [`LIBRARY`](platform::LIBRARY) on this machine, and `prepared`
 /// is the file that it wrote.
-pub(crate) fn test(steps: &str, prepared: &Path) -> Result<()> {
-    let folder = dev_modules()?;
+pub(crate) fn test(folder: &Path, steps: &str, prepared: &Path) -> Result<()> {
     let tests = root().join("crates").join(PACKAGE).join("tests");
     output(
         Command::new("node")
@@ -204,6 +222,22 @@ fn table(sizes: &[Size]) -> String {
     text
 }
 
+/// What the usual modules take together, in a sentence.
+fn together(sizes: &[Size]) -> String {
+    let is_usual = |size: &&Size| USUAL.iter().any(|usual| usual.name == size.module.name);
+    let bytes: usize = sizes.iter().filter(is_usual).map(Size::brotli).sum();
+    let missed = match bytes > USUAL_LIMIT {
+        true => " (**missed**)",
+        false => "",
+    };
+    format!(
+        "{} together: {} by brotli{missed}; the limit is {}.\n",
+        USUAL.map(|module| module.name).join(" and "),
+        kilobytes(bytes),
+        kilobytes(USUAL_LIMIT)
+    )
+}
+
 /// Thousands of bytes.
 fn kilobytes(bytes: usize) -> String {
     format!("{:.0} kB", bytes as f64 / 1e3)
@@ -215,10 +249,13 @@ fn page(sizes: &[Size]) -> String {
 
 Written by `cargo xtask web --write`; the method is in [the page of the modules](../web.md). Modules have vector
 instructions and neither names nor debug information; kB are thousands of bytes, gzip is level 9, brotli quality 11.
-JavaScript is what belongs to a module, not compressed.
+JavaScript is what belongs to a module, not compressed. A page loads `play`; `tools` when a file is to be prepared,
+`stream` in place of `play` for characters of a server, and `publish` for its own purposes.
 
+{}
 {}",
-        table(sizes)
+        table(sizes),
+        together(sizes)
     )
 }
 
@@ -250,13 +287,23 @@ mod tests {
     #[test]
     fn a_module_over_its_limit_is_marked() {
         let size = |brotli| Size {
-            module: &MODULES[0],
+            module: &PLAY,
             bytes: [2_000_400, 700_000, brotli],
             script: 48_000,
         };
         let told = table(&[size(599_000), size(601_000)]);
         assert!(told.contains("| 2000 kB | 700 kB | 599 kB | 600 kB | 48 kB |\n"));
         assert!(told.contains("| 601 kB **missed** | 600 kB |"));
+        let tools = |brotli| Size {
+            module: &TOOLS,
+            ..size(brotli)
+        };
+        let said = together(&[size(600_000), tools(1_400_000)]);
+        assert_eq!(
+            said,
+            "play and tools together: 2000 kB by brotli; the limit is 2000 kB.\n"
+        );
+        assert!(together(&[size(600_000), tools(1_400_001)]).contains("missed"));
         assert!(rows(&[size(1)]).ends_with("play,2000400,700000,1,600000,48000\n"));
     }
 }

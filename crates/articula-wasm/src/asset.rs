@@ -1,14 +1,14 @@
 //! Opened characters.
 
 use crate::error::{Fault, Result, index};
-use crate::expressions::known_names;
+use crate::expression_names::known_names;
 use crate::geometry::Geometry;
 use crate::materials::materials;
 use crate::morphs;
 use crate::opening::open_alone;
 use articula::glam::Vec3;
 use articula::{PosedMesh, SkinnedMesh};
-use std::rc::Rc;
+use std::sync::Arc;
 use wasm_bindgen::prelude::*;
 
 /// An opened character: skeleton, mesh, clips, materials and pictures of a file. Figures and crowds of it share
@@ -18,7 +18,7 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Asset {
-    figure: Rc<articula::Figure>,
+    figure: Arc<articula::Figure>,
 }
 
 #[wasm_bindgen]
@@ -31,9 +31,7 @@ impl Asset {
         let thrown = |error| Fault::of_file(&error, name);
         let opened = open_alone(bytes, name).map_err(thrown)?;
         let figure = articula::Figure::new(opened).map_err(thrown)?;
-        Ok(Self {
-            figure: Rc::new(figure),
-        })
+        Ok(Self::of(Arc::new(figure)))
     }
 
     /// Name of the file, as given.
@@ -148,8 +146,13 @@ impl Asset {
 }
 
 impl Asset {
+    pub(crate) fn of(figure: Arc<articula::Figure>) -> Self {
+        Self { figure }
+    }
+
     /// The figure, to share it.
-    pub(crate) fn figure(&self) -> &Rc<articula::Figure> {
+    #[cfg(feature = "play")]
+    pub(crate) fn figure(&self) -> &Arc<articula::Figure> {
         &self.figure
     }
 }

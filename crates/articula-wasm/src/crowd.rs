@@ -46,11 +46,12 @@ pub struct Crowd {
 
 #[wasm_bindgen]
 impl Crowd {
-    /// A crowd at the origin that plays the first clip. `options` is JSON: `{clips?: string[], meshLevels?: number,
-    /// poseCache?: boolean, rootMotion?: "in-place" | "as-authored" | "extracted"}`; without it all clips in place, the
-    /// mesh levels of the file, and cached poses.
+    /// A crowd at the origin that plays the first clip. `options` is JSON: `{clips?: string[], events?: {[clip: string]: {secs:
+    /// number, id: number}[]}, meshLevels?: number, poseCache?: boolean, rootMotion?: "in-place" | "as-authored" |
+    /// "extracted"}`; without it all clips in place, without events, the mesh levels of the file, and cached poses.
     ///
-    /// Throws for options that are not these, a clip that the file lacks, and more characters than memory holds.
+    /// Throws for options that are not these, a clip that the file lacks or an event outside of its clip, and more
+    /// characters than memory holds.
     #[wasm_bindgen(constructor)]
     pub fn new(asset: &Asset, count: usize, options: Option<String>) -> Result<Crowd> {
         let figure = asset.figure();

@@ -1,5 +1,6 @@
 //! Options of a crowd, from JSON.
 
+use crate::clip_events::ClipEvents;
 use crate::error::{Fault, Result};
 use articula::crowd::{CrowdOptions, MAX_MESH_LEVELS, RootMotionPolicy};
 use serde::Deserialize;
@@ -8,6 +9,7 @@ use serde::Deserialize;
 #[serde(default, deny_unknown_fields, rename_all = "camelCase")]
 struct Options {
     clips: Vec<String>,
+    events: ClipEvents,
     mesh_levels: Option<usize>,
     pose_cache: Option<bool>,
     root_motion: Option<String>,
@@ -43,6 +45,7 @@ pub(crate) fn crowd_options(json: Option<&str>) -> Result<CrowdOptions> {
     let usual = CrowdOptions::default();
     Ok(CrowdOptions {
         clips: options.clips,
+        events: options.events.named(),
         mesh_levels: options.mesh_levels,
         pose_cache: options.pose_cache.unwrap_or(usual.pose_cache),
         root_motion: match options.root_motion {

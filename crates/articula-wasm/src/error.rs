@@ -64,6 +64,7 @@ impl Fault {
     }
 
     /// A request for more memory than there is.
+    #[cfg(feature = "play")]
     pub(crate) fn too_large(message: impl Into<String>) -> Self {
         Self {
             code: "too-large",
@@ -101,6 +102,7 @@ impl From<Fault> for JsValue {
 }
 
 /// Returns an index if it is one of `count` things.
+#[cfg(any(feature = "play", feature = "stream"))]
 pub(crate) fn index(what: &str, index: usize, count: usize) -> Result<usize> {
     if index < count {
         return Ok(index);

@@ -1,38 +1,18 @@
 //! Expressions by name: those of the file, and morph targets that stand for one.
 
+use crate::expression_names::is_named_for_face;
 use crate::morphs;
 use articula::Figure;
 use articula::build::resolve;
-use articula::core::arkit_table::BLEND_SHAPES;
 use articula::core::source::{Expression, JointBinding};
 use articula::core::{LocalPose, nlerp};
 use articula::glam::Vec3;
-use std::rc::Rc;
-
-/// Whether a morph target of this name is an expression: a blend shape of ARKit, or a viseme.
-fn is_named_for_face(name: &str) -> bool {
-    let arkit = BLEND_SHAPES
-        .iter()
-        .any(|shape| shape.name.eq_ignore_ascii_case(name));
-    arkit || name.starts_with("viseme_")
-}
-
-/// Names of all expressions of a figure.
-pub(crate) fn known_names(figure: &Figure) -> Vec<String> {
-    let expressions = figure.opened.character().expressions.iter();
-    let mut names: Vec<String> = expressions.map(|e| e.name.clone()).collect();
-    for name in morphs::names(figure) {
-        if is_named_for_face(&name) && !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    names
-}
+use std::sync::Arc;
 
 /// Weights of the expressions of one figure, and what follows from them.
 #[derive(Debug)]
 pub(crate) struct Expressions {
-    figure: Rc<Figure>,
+    figure: Arc<Figure>,
     /// Weights as set, one for each expression of the file.
     drivers: Vec<f32>,
     /// Weights as resolved: masked by each other.
@@ -42,7 +22,7 @@ pub(crate) struct Expressions {
 }
 
 impl Expressions {
-    pub(crate) fn new(figure: &Rc<Figure>) -> Self {
+    pub(crate) fn new(figure: &Arc<Figure>) -> Self {
         let count = figure.opened.character().expressions.len();
         let mut named: Vec<(String, Vec<usize>, f32)> = Vec::new();
         for (slot, name) in morphs::names(figure).into_iter().enumerate() {

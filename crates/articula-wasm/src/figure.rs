@@ -1,6 +1,7 @@
 //! One character in motion.
 
 use crate::asset::Asset;
+use crate::clip_events::ClipEvents;
 use crate::crowd_options::root_motion;
 use crate::error::{Fault, Result, index};
 use crate::expressions::Expressions;
@@ -14,9 +15,9 @@ use articula::core::playback::{
     FigureModel, FigurePlayer, FigureViews, LayerMode, LoaController, MotionLayer,
 };
 use articula::core::{LocalPose, Wrap, normalised, palette, sample};
-use articula::crowd::figure_model;
+use articula::crowd::{events_by_clip, figure_model};
 use articula::glam::{Affine3A, Quat};
-use std::rc::Rc;
+use std::sync::Arc;
 use wasm_bindgen::prelude::*;
 
 /// One character, played: clips with cross-fades, layers, a face, and as many joints as are seen.
@@ -26,7 +27,7 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Figure {
-    figure: Rc<articula::Figure>,
+    figure: Arc<articula::Figure>,
     player: FigurePlayer,
     controller: LoaController<Metric>,
     expressions: Expressions,
@@ -36,6 +37,7 @@ pub struct Figure {
     /// Weights that replace those of the clips.
     own_morphs: Vec<Option<f32>>,
     root: RootDelta,
+    events: Vec<f64>,
     matrices: Vec<Affine3A>,
     palette: Vec<Rows>,
     joints: Vec<Rows>,
@@ -45,18 +47,24 @@ pub struct Figure {
 #[wasm_bindgen]
 impl Figure {
     /// A figure that plays the first clip. `rootMotion`: "as-authored" (as without it), "in-place", or "extracted",
-    /// where `rootDelta` has what was taken out of the clips.
+    /// where `rootDelta` has what was taken out of the clips. `clipEvents` is JSON: `{[clip: string]: {secs: number, id:
+    /// number}[]}`, what `events` tells of.
     ///
-    /// Throws if the word is another, or the clips do not fit the skeleton.
+    /// Throws if the word is another, the clips do not fit the skeleton, or an event is of no clip or outside of it.
     #[wasm_bindgen(constructor)]
     pub fn new(
         asset: &Asset,
         #[wasm_bindgen(js_name = rootMotion)] policy: Option<String>,
+        #[wasm_bindgen(js_name = clipEvents)] clip_events: Option<String>,
     ) -> Result<Figure> {
         let figure = asset.figure().clone();
         let policy = root_motion(policy.as_deref().unwrap_or("as-authored"))?;
         let thrown = |error| Fault::of_file(&error, figure.opened.name());
         let model = figure_model(&figure, policy).map_err(thrown)?;
+        let events = ClipEvents::read(clip_events.as_deref())?.named();
+        let events = events_by_clip(&events, model.clips()).map_err(thrown)?;
+        let with_events = model.with_events(events);
+        let model = with_events.map_err(|error| thrown(error.into()))?;
         let (rig, mesh) = (&figure.asset.rig, &figure.asset.mesh);
         let range = LoaRange::named(rig, 0);
         Ok(Self {
@@ -67,6 +75,7 @@ impl Figure {
             posed: Vec::new(),
             own_morphs: vec![None; mesh.morph_weights.len()],
             root: RootDelta::default(),
+            events: Vec::new(),
             matrices: vec![Affine3A::IDENTITY; mesh.bindings.len()],
             palette: vec![IDENTITY; mesh.bindings.len()],
             joints: vec![IDENTITY; rig.len()],
@@ -219,7 +228,12 @@ impl Figure {
     ) -> Result<usize> {
         self.cameras.clear();
         self.cameras.extend(cameras(views)?);
-        self.root = self.player.advance(dt_secs, &mut |_| {});
+        let events = &mut self.events;
+        events.clear();
+        self.root = self.player.advance(dt_secs, &mut |event| {
+            let (clip, id, weight) = (event.clip, event.event.id, event.weight);
+            events.extend([clip as f64, f64::from(id), f64::from(weight)]);
+        });
         let seen = FigureViews::Cameras(&self.cameras);
         let updated = self
             .player
@@ -236,6 +250,13 @@ impl Figure {
         self.player.hierarchy();
         self.write();
         Ok(updated)
+    }
+
+    /// Events of clips that the last frame passed, also those of layers, three numbers each: clip, identifier, weight of
+    /// the clip.
+    #[wasm_bindgen(getter)]
+    pub fn events(&self) -> Vec<f64> {
+        self.events.clone()
     }
 
     /// Byte offset of its palette: `Geometry.bindings` matrices of twelve floats, each three rows of four, that take

@@ -2,6 +2,7 @@
 
 use crate::error::{Result, index};
 use articula::core::Mesh;
+#[cfg(feature = "play")]
 use articula::crowd::CrowdAsset;
 use articula::glam::{Vec3, Vec4};
 use std::sync::Arc;
@@ -17,6 +18,7 @@ pub struct Geometry {
 #[derive(Debug)]
 enum Source {
     Figure(Arc<Mesh>),
+    #[cfg(feature = "play")]
     Level(CrowdAsset, usize),
 }
 
@@ -28,6 +30,7 @@ impl Geometry {
     }
 
     /// The mesh of a level, which exists.
+    #[cfg(feature = "play")]
     pub(crate) fn of_level(asset: CrowdAsset, level: usize) -> Self {
         Self {
             source: Source::Level(asset, level),
@@ -37,6 +40,7 @@ impl Geometry {
     fn mesh_data(&self) -> &Mesh {
         match &self.source {
             Source::Figure(mesh) => mesh,
+            #[cfg(feature = "play")]
             Source::Level(asset, level) => asset.mesh(*level),
         }
     }

@@ -13,13 +13,17 @@ const LIMITS: Limits = Limits {
     frames: 1 << 20,
 };
 
-/// Opens a file with no others beside it.
-pub(crate) fn open_alone(bytes: &[u8], name: &str) -> Result<CharacterFile> {
-    let options = OpenOptions {
+/// How files are opened.
+pub(crate) fn open_options() -> OpenOptions {
+    OpenOptions {
         limits: LIMITS,
         ..OpenOptions::default()
-    };
+    }
+}
+
+/// Opens a file with no others beside it.
+pub(crate) fn open_alone(bytes: &[u8], name: &str) -> Result<CharacterFile> {
     let mut alone =
         |_: &str| Err("only what is in the file can be read; give a .glb file".to_owned());
-    open(bytes, name, &options, &mut alone)
+    open(bytes, name, &open_options(), &mut alone)
 }

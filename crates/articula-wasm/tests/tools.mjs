@@ -1,9 +1,10 @@
-// The module of long operations.
+// The module of preparation and conversion.
 import { test } from "node:test";
 import assert from "node:assert/strict";
 import { load, prepared } from "./load.mjs";
 
-const { Asset, Tools } = await load("tools");
+const { Tools } = await load("tools");
+const { Asset } = await load("play");
 const bytes = prepared();
 
 test("progress is told, and false cancels", () => {
@@ -44,6 +45,5 @@ test("options that are unknown and formats that are not written are refused", ()
   assert.throws(() => Tools.prepare(bytes, "knight.glb", '{"meshLevels": 0}'), refused);
   assert.throws(() => Tools.convert(bytes, "knight.glb", "doc"), refused);
   assert.throws(() => Tools.convert(bytes, "knight.glb", "fbx"), refused);
-  assert.throws(() => Tools.flatten(bytes, "knight.glb", '{"form": "png"}'), refused);
   assert.throws(() => Tools.inspect(new Uint8Array(3), "none.glb"), { name: "ArticulaError", code: "invalid", file: "none.glb" });
 });

@@ -251,3 +251,31 @@ export async function preparing() {
   asset.dispose();
   return { cancelled: cancelled.code, steps, ...facts };
 }
+
+/** Events that a figure and a crowd tell in two thirds of a clip that begins at a third. */
+export async function clipEvents() {
+  const asset = await opened(new Blob([await madeCharacter()]));
+  const clip = asset.clips[0];
+  const secs = asset.clipSecs[0];
+  const events = { [clip]: [0.1, 0.5, 0.9].map((share, i) => ({ secs: share * secs, id: 10 + i })) };
+  const told = [];
+  const hear = (object) => object.addEventListener('clipevent', ({ character, clip, id }) => told.push([character, clip, id]));
+  const figure = new ArticulaFigure(asset, { events });
+  hear(figure);
+  figure.play(clip, secs / 3).update(secs / 3);
+  figure.update(secs / 3);
+  const crowd = new ArticulaCrowd(asset, 2, { events });
+  hear(crowd);
+  crowd.play(0, clip, 0.4 * secs).play(1, clip, 0.8 * secs);
+  // The camera looks away: events are told nevertheless.
+  const camera = new THREE.PerspectiveCamera();
+  camera.position.z = -50;
+  crowd.update(0.2 * secs, camera, { width: 100, height: 100 });
+  const unknown = await Promise.resolve()
+    .then(() => new ArticulaCrowd(asset, 1, { events: { fly: [{ secs: 0, id: 1 }] } }))
+    .catch((error) => error);
+  figure.dispose();
+  crowd.dispose();
+  asset.dispose();
+  return { clip, told, code: unknown.code, message: unknown.message };
+}

@@ -4,8 +4,9 @@ import { compareDetail } from './detail.js';
 import { madeCharacter } from './made.js';
 import { comparePositions } from './numbers.js';
 import { comparePictures } from './pictures.js';
-import { readmeLines, readmePicture } from './readmes.js';
+import { readmeLines, readmePicture, readmeStream } from './readmes.js';
 import { makeRenderer } from './stage.js';
+import { stream, streamFaults } from './stream.js';
 
 const renderers = new Map();
 
@@ -24,17 +25,21 @@ window.tests = {
   },
   readmeLines,
   readmePicture,
+  readmeStream,
   positions: comparePositions,
   socketDistance: behaviour.socketDistance,
   motions: behaviour.motions,
   hits: behaviour.hits,
   budgetAndViews: behaviour.budgetAndViews,
   hostile: behaviour.hostile,
+  clipEvents: behaviour.clipEvents,
   faces: behaviour.faces,
   otherFormat: behaviour.otherFormat,
   preparing: behaviour.preparing,
   disposals: async (kind, times) => behaviour.disposals(await makeRenderer(kind), times),
   contextLoss: async (kind) => behaviour.contextLoss(await makeRenderer(kind)),
+  stream: async (kind, ...args) => stream(await makeRenderer(kind), ...args),
+  streamFaults,
   detail: async (kind, url, clip, cache) => compareDetail(await makeRenderer(kind), kind, url, clip, cache),
   pictures: async (kind, url, clip) => comparePictures(await rendererOf(kind), kind, url, clip),
   async made(kind) {

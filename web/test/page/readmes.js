@@ -10,6 +10,16 @@ async function runModule(code) {
 /** The picture after some frames, and how many colours it has. */
 export async function readmePicture(code) {
   await runModule(code);
+  return picture();
+}
+
+/** The same once the example has printed what it waits for, and what it prints. */
+export async function readmeStream(code) {
+  const printed = await printedBy(code, (lines) => lines.length > 0);
+  return { ...(await picture()), printed };
+}
+
+async function picture() {
   const canvas = document.querySelector('canvas');
   const copy = new OffscreenCanvas(canvas.width, canvas.height);
   const context = copy.getContext('2d');
@@ -28,11 +38,19 @@ export async function readmePicture(code) {
 
 /** What the example prints. */
 export async function readmeLines(code) {
+  return printedBy(code, () => true);
+}
+
+/** What code prints until `isDone`, for so many frames at most. */
+async function printedBy(code, isDone, frames = 2000) {
   const printed = [];
   const { log } = console;
   console.log = (line) => printed.push(line);
   try {
     await runModule(code);
+    for (let frame = 0; frame < frames && !isDone(printed); frame += 1) {
+      await new Promise(requestAnimationFrame);
+    }
   } finally {
     console.log = log;
   }

@@ -1,19 +1,14 @@
-//! Operations that take long: for a worker, so that the page goes on.
+//! Preparation and conversion: for a worker, so that the page goes on.
 
 mod options;
-mod packaged;
-mod progress;
 
 use crate::error::Fault;
+use crate::long_options::read;
 use crate::opening::open_alone;
+use crate::progress::{ProgressCallback, run};
 use articula::convert::write;
-use articula::flat::flatten::PrepareClipOptions;
-use articula::flatten::{FramedCharacter, flatten_within};
 use articula::inspect::inspect;
-use articula::item::package;
 use articula::{Figure, Format, convert, prepare};
-use packaged::PackagedFile;
-use progress::{ProgressCallback, run};
 use wasm_bindgen::prelude::*;
 
 /// Long operations on characters of all formats: files go in as bytes and come out as bytes. Each may take seconds;
@@ -35,7 +30,7 @@ impl Tools {
         options: Option<String>,
         progress: Option<ProgressCallback>,
     ) -> Result<Vec<u8>, JsValue> {
-        let options = options::read::<options::Prepare>(options.as_deref())?.options()?;
+        let options = read::<options::Prepare>(options.as_deref())?.options()?;
         run(progress, name, |work| {
             Ok(prepare(open_alone(bytes, name)?, &options, work)?.glb)
         })
@@ -50,7 +45,7 @@ impl Tools {
         options: Option<String>,
         progress: Option<ProgressCallback>,
     ) -> Result<Vec<u8>, JsValue> {
-        let options = options::read::<options::Convert>(options.as_deref())?.options();
+        let options = read::<options::Convert>(options.as_deref())?.options();
         let format = Format::of_extension(to).ok_or_else(|| {
             Fault::argument(format!(
                 "there is no format \"{to}\"; give an ending such as \"glb\""
@@ -73,7 +68,7 @@ impl Tools {
         options: Option<String>,
         progress: Option<ProgressCallback>,
     ) -> Result<Vec<u8>, JsValue> {
-        let options = options::read::<options::AddClips>(options.as_deref())?.options();
+        let options = read::<options::AddClips>(options.as_deref())?.options();
         run(progress, name, |work| {
             let mut character = open_alone(bytes, name)?;
             let motion = open_alone(motion, motion_name)?;
@@ -86,27 +81,6 @@ impl Tools {
         })
     }
 
-    /// Makes a moving picture of a clip: an animated SVG ("svg"), a JavaScript module ("player") or Lottie JSON
-    /// ("lottie"). `options` is JSON: `{form?: string, clip?: string, yawDeg?: number, triangles?: number, maxBytes?:
-    /// number}`; without a clip the first that walks, else runs, else idles. A clip that travels is shown on the spot.
-    pub fn flatten(
-        bytes: &[u8],
-        name: &str,
-        options: Option<String>,
-        progress: Option<ProgressCallback>,
-    ) -> Result<Vec<u8>, JsValue> {
-        let options: options::Flatten = options::read(options.as_deref())?;
-        run(progress, name, |work| {
-            let mut opened = open_alone(bytes, name)?;
-            opened.put_in_place();
-            let figure = Figure::new(opened)?;
-            let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
-            let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
-            let (_, flat) = flatten_within(framed, &clip, &settings, work)?;
-            Ok(flat.bytes)
-        })
-    }
-
     /// Describes a file as JSON: joints and what they were recognised as, clips, meshes, face, warnings.
     pub fn inspect(bytes: &[u8], name: &str) -> Result<String, JsValue> {
         run(None, name, |work| {
@@ -115,20 +89,5 @@ impl Tools {
             let found = inspect(&figure, &clips, work)?;
             serde_json::to_string(&found).map_err(|error| articula::Error::Write(Box::new(error)))
         })
-    }
-
-    /// Packages a character as a digital item, the files of a folder from which a server sends parts. `options` is
-    /// JSON: `{meshLevels?: number, clips?: string[], flat?: boolean}`.
-    pub fn package(
-        bytes: &[u8],
-        name: &str,
-        options: Option<String>,
-        progress: Option<ProgressCallback>,
-    ) -> Result<Vec<PackagedFile>, JsValue> {
-        let options = options::read::<options::Package>(options.as_deref())?.options()?;
-        let item = run(progress, name, |work| {
-            package(open_alone(bytes, name)?, &options, work)
-        })?;
-        Ok(item.files().into_iter().map(PackagedFile::new).collect())
     }
 }

@@ -1,5 +1,5 @@
 import init, { Asset, Crowd, Figure, type InitInput } from '../wasm/play.js';
-import { CrowdArrays, type CrowdOptions } from './crowd.js';
+import { CrowdArrays, type ClipEvents, type CrowdOptions } from './crowd.js';
 import { guarded } from './error.js';
 import { FigureArrays } from './figure.js';
 import { Tools, type ToolsSource } from './tools.js';
@@ -10,6 +10,14 @@ export interface LoadOptions {
   readonly wasm?: InitInput | undefined;
   /** The module that prepares and converts, in a worker. */
   readonly tools?: ToolsSource | undefined;
+}
+
+/** How a figure is made. */
+export interface FigureOptions {
+  /** Events of clips. */
+  readonly events?: ClipEvents;
+  /** What becomes of the motion of the root; it stays as authored if left out. */
+  readonly rootMotion?: 'in-place' | 'as-authored' | 'extracted';
 }
 
 /** One figure and its arrays. */
@@ -58,8 +66,8 @@ export class Articula {
   }
 
   /** Makes one character that plays. */
-  figure(asset: Asset): FigureParts {
-    const figure = guarded(() => new Figure(asset));
+  figure(asset: Asset, { events, rootMotion }: FigureOptions = {}): FigureParts {
+    const figure = guarded(() => new Figure(asset, rootMotion, events && JSON.stringify(events)));
     const mesh = asset.mesh();
     const { bindings } = mesh;
     mesh.free();

@@ -19,10 +19,23 @@ export interface DrawGroup {
   readonly morphSets: number;
 }
 
+/** An event at a time of a clip, such as a footstep. */
+export interface ClipEvent {
+  /** Seconds within the clip. */
+  readonly secs: number;
+  /** A number by which it is told. */
+  readonly id: number;
+}
+
+/** Events by the names of their clips. */
+export type ClipEvents = Readonly<Record<string, readonly ClipEvent[]>>;
+
 /** How the instances of a crowd are made. */
 export interface CrowdOptions {
   /** Names of the clips that are played; all of the asset if left out. */
   readonly clips?: readonly string[];
+  /** Events of these clips. */
+  readonly events?: ClipEvents;
   /** Meshes of less detail, with the finest. */
   readonly meshLevels?: number;
   /** Whether poses can be taken from a cache. */

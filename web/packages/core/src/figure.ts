@@ -3,15 +3,18 @@ import type { Asset, Figure } from '../wasm/play.js';
 /** Floats of a matrix: three rows of four, the fourth row is 0 0 0 1. */
 export const MATRIX_FLOATS = 12;
 
+/** What has the arrays of a figure, as byte offsets. */
+export type FigureOffsets = Pick<Figure, 'paletteAt' | 'jointsAt' | 'morphsAt'>;
+
 /** The arrays of a figure after its last frame. They are valid until the next call of any method of the module. */
 export class FigureArrays {
   readonly #memory: WebAssembly.Memory;
-  readonly #figure: Figure;
+  readonly #figure: FigureOffsets;
   readonly #joints: number;
   readonly #bindings: number;
   readonly #morphs: number;
 
-  constructor(memory: WebAssembly.Memory, asset: Asset, figure: Figure, bindings: number) {
+  constructor(memory: WebAssembly.Memory, asset: Asset, figure: FigureOffsets, bindings: number) {
     this.#memory = memory;
     this.#figure = figure;
     this.#joints = asset.joints.length;

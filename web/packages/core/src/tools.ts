@@ -47,11 +47,18 @@ export interface PackageOptions extends TaskOptions {
   readonly flat?: boolean | undefined;
 }
 
-/** Where the worker and its module are; found beside this script if left out. */
+/** Where the workers and their modules are; found beside this script if left out. */
 export interface ToolsSource {
+  /** The worker that prepares and converts, and its module. */
   readonly worker?: (() => Worker) | undefined;
   readonly wasm?: string | URL | undefined;
+  /** The worker that makes 2D pictures and items, and its module. */
+  readonly publisher?: (() => Worker) | undefined;
+  readonly publishWasm?: string | URL | undefined;
 }
+
+/** Files that the publisher opens. Others are converted first. */
+const IS_PUBLISHED = /\.(glb|vrm)$/i;
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -83,8 +90,9 @@ export class Tools {
   }
 
   /** Returns a clip as a moving picture of 2D shapes. */
-  flatten(bytes: Uint8Array, name: string, options: FlattenOptions): Promise<Uint8Array> {
-    return this.#run({ call: 'flatten', bytes, name, ...split(options) });
+  async flatten(bytes: Uint8Array, name: string, options: FlattenOptions): Promise<Uint8Array> {
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'flatten', ...file, ...split(options) });
   }
 
   /** Returns what is in a file: joints, clips, meshes, face, warnings. */
@@ -93,8 +101,17 @@ export class Tools {
   }
 
   /** Returns the files of a digital item, from which a server sends parts. */
-  package(bytes: Uint8Array, name: string, options: PackageOptions = {}): Promise<PackagedBytes[]> {
-    return this.#run({ call: 'package', bytes, name, ...split(options) });
+  async package(bytes: Uint8Array, name: string, options: PackageOptions = {}): Promise<PackagedBytes[]> {
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'package', ...file, ...split(options) });
+  }
+
+  /** A file as the publisher opens it. */
+  async #published(bytes: Uint8Array, name: string, { signal }: TaskOptions): Promise<{ bytes: Uint8Array; name: string }> {
+    if (IS_PUBLISHED.test(name)) {
+      return { bytes, name };
+    }
+    return { bytes: await this.convert(bytes, name, 'glb', { signal }), name: `${name}.glb` };
   }
 
   #run<T extends Task>({ watch, ...rest }: T & { watch: TaskOptions }): Promise<TaskResult<T['call']>> {
@@ -105,7 +122,7 @@ export class Tools {
     if (signal?.aborted) {
       return Promise.reject(cancelled());
     }
-    const worker = this.#source.worker?.() ?? new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+    const { worker, wasm } = this.#start(task.call);
     const abort = new AbortController();
     return new Promise<TaskResult<T['call']>>((resolve, reject) => {
       signal?.addEventListener('abort', () => reject(cancelled()), { signal: abort.signal });
@@ -121,12 +138,23 @@ export class Tools {
         }
       };
       worker.onerror = ({ message }) => reject(new Error(`the worker failed: ${message || 'its script is not there'}`));
-      const request: Request = { task, wasm: this.#source.wasm?.toString() };
+      const request: Request = { task, wasm: wasm?.toString() };
       worker.postMessage(request);
     }).finally(() => {
       abort.abort();
       worker.terminate();
     });
+  }
+
+  /** Starts the worker that has a call; bundlers find its script by these very words. */
+  #start(call: Task['call']): { worker: Worker; wasm: string | URL | undefined } {
+    const { worker, wasm, publisher, publishWasm } = this.#source;
+    if (call === 'flatten' || call === 'package') {
+      const started = publisher?.() ?? new Worker(new URL('./publisher.js', import.meta.url), { type: 'module' });
+      return { worker: started, wasm: publishWasm };
+    }
+    const started = worker?.() ?? new Worker(new URL('./worker.js', import.meta.url), { type: 'module' });
+    return { worker: started, wasm };
   }
 }
 

@@ -52,13 +52,24 @@ const point = new Vector3();
 
 /** A skinned mesh whose matrices take rest positions to the space of the figure. */
 export class FigureMesh extends SkinnedMesh<BufferGeometry, Material[]> {
-  readonly #palette: PaletteSkeleton;
+  #palette: PaletteSkeleton;
 
   constructor(geometry: BufferGeometry, materials: Material[], skeleton: PaletteSkeleton) {
     super(geometry, materials);
     this.#palette = skeleton;
     this.bindMode = DetachedBindMode;
     this.bind(skeleton, new Matrix4());
+  }
+
+  /** Shows another mesh in its place. What it had is the caller's to dispose of. */
+  show(geometry: BufferGeometry, materials: Material[], skeleton: PaletteSkeleton): void {
+    this.geometry = geometry;
+    this.material = materials;
+    this.#palette = skeleton;
+    this.bind(skeleton, this.bindMatrix);
+    this.morphTargetDictionary = undefined;
+    this.morphTargetInfluences = undefined;
+    this.updateMorphTargets();
   }
 
   /** Moves a point as the vertex `index` is moved; ray casts and `computeBoundingBox` use it. */

@@ -1,5 +1,5 @@
-import type { Figure, FigureArrays } from '@articula/core';
-import { type Camera, Object3D, Sphere } from 'three';
+import type { Figure, FigureArrays, FigureOptions } from '@articula/core';
+import { type Camera, Object3D, type Object3DEventMap, Sphere } from 'three';
 
 import type { ArticulaAsset } from './asset.js';
 import { PoseBounds } from './bounds.js';
@@ -12,6 +12,19 @@ const bounds = new WeakMap<object, PoseBounds>();
 
 /** No view: no error is seen. */
 const NOWHERE = new Float32Array(0);
+
+/** Events that a figure dispatches. */
+export interface FigureEventMap extends Object3DEventMap {
+  /** The figure passed an event of a clip. */
+  clipevent: {
+    readonly clip: string;
+    readonly id: number;
+    /** How much of the clip is played, 0 to 1. */
+    readonly weight: number;
+  };
+}
+
+const EVENT_NUMBERS = 3;
 
 /** A clip that is played with the others of a figure. */
 export interface LayerOptions {
@@ -27,24 +40,26 @@ export interface LayerOptions {
  *
  * The figure holds memory of the module: {@link dispose} of it.
  */
-export class ArticulaFigure extends Object3D {
+export class ArticulaFigure extends Object3D<FigureEventMap> {
   readonly asset: ArticulaAsset;
   readonly mesh: FigureMesh;
   /** The figure of the core module, for what has no method here. */
   readonly core: Figure;
   readonly #arrays: FigureArrays;
+  readonly #options: FigureOptions;
   readonly #skeleton: PaletteSkeleton;
   readonly #bounds: PoseBounds;
   readonly #sockets = new Map<number, Object3D>();
 
-  constructor(asset: ArticulaAsset) {
+  constructor(asset: ArticulaAsset, options: FigureOptions = {}) {
     super();
     const { geometry, ranges, bindings, morphs } = asset.shape();
-    const { figure, arrays } = asset.articula.figure(asset.core);
+    const { figure, arrays } = asset.articula.figure(asset.core, options);
     this.asset = asset;
     this.name = asset.name;
     this.core = figure;
     this.#arrays = arrays;
+    this.#options = options;
     this.#skeleton = new PaletteSkeleton(bindings);
     this.#bounds = bounds.get(geometry) ?? new PoseBounds(geometry, bindings);
     bounds.set(geometry, this.#bounds);
@@ -167,6 +182,9 @@ export class ArticulaFigure extends Object3D {
       this.#follow(socket, index, joints);
     }
     this.#bounds.enclose(this.mesh.boundingSphere as Sphere, (index, into) => this.#skeleton.matrix(index, into));
+    if (this.#options.events !== undefined) {
+      this.#dispatch();
+    }
   }
 
   /** x, y, z in metres and yaw in radians by which the root moved in the last {@link update}. */
@@ -177,7 +195,7 @@ export class ArticulaFigure extends Object3D {
 
   /** Returns another figure of the same asset, where this one is. */
   override clone(): this {
-    return new ArticulaFigure(this.asset).copy(this, false) as this;
+    return new ArticulaFigure(this.asset, this.#options).copy(this, false) as this;
   }
 
   /** Releases the figure. The asset stays. */
@@ -186,6 +204,14 @@ export class ArticulaFigure extends Object3D {
     this.removeFromParent();
     this.#skeleton.dispose();
     this.core.free();
+  }
+
+  #dispatch(): void {
+    const { events } = this.core;
+    for (let i = 0; i + EVENT_NUMBERS <= events.length; i += EVENT_NUMBERS) {
+      const [clip = 0, id = 0, weight = 0] = events.subarray(i, i + EVENT_NUMBERS);
+      this.dispatchEvent({ type: 'clipevent', clip: this.asset.clips[clip] ?? '', id, weight });
+    }
   }
 
   #follow(socket: Object3D, joint: number, joints: Float32Array): void {

@@ -1,0 +1,61 @@
+//! What is published of a character: moving pictures and digital items. For a worker, as `tools`.
+
+mod options;
+mod packaged;
+
+use crate::long_options::read;
+use crate::opening::open_alone;
+use crate::progress::{ProgressCallback, run};
+use articula::Figure;
+use articula::flat::flatten::PrepareClipOptions;
+use articula::flatten::{FramedCharacter, flatten_within};
+use articula::item::package;
+use packaged::PackagedFile;
+use wasm_bindgen::prelude::*;
+
+/// What is published of a character that is a GLB or VRM file. Each call may take seconds; call it in a worker.
+///
+/// All throw an `ArticulaError` for files that cannot be read, for options that they do not know, and with the code
+/// "cancelled" when `progress` returns `false`.
+#[wasm_bindgen]
+#[derive(Debug)]
+pub struct Publisher {}
+
+#[wasm_bindgen]
+impl Publisher {
+    /// Makes a moving picture of a clip: an animated SVG ("svg"), a JavaScript module ("player") or Lottie JSON
+    /// ("lottie"). `options` is JSON: `{form?: string, clip?: string, yawDeg?: number, triangles?: number, maxBytes?:
+    /// number}`; without a clip the first that walks, else runs, else idles. A clip that travels is shown on the spot.
+    pub fn flatten(
+        bytes: &[u8],
+        name: &str,
+        options: Option<String>,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<u8>, JsValue> {
+        let options: options::Flatten = read(options.as_deref())?;
+        run(progress, name, |work| {
+            let mut opened = open_alone(bytes, name)?;
+            opened.put_in_place();
+            let figure = Figure::new(opened)?;
+            let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
+            let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
+            let (_, flat) = flatten_within(framed, &clip, &settings, work)?;
+            Ok(flat.bytes)
+        })
+    }
+
+    /// Packages a character as a digital item, the files of a folder from which a server sends parts. `options` is
+    /// JSON: `{meshLevels?: number, clips?: string[], flat?: boolean}`.
+    pub fn package(
+        bytes: &[u8],
+        name: &str,
+        options: Option<String>,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<PackagedFile>, JsValue> {
+        let options = read::<options::Package>(options.as_deref())?.options()?;
+        let item = run(progress, name, |work| {
+            package(open_alone(bytes, name)?, &options, work)
+        })?;
+        Ok(item.files().into_iter().map(PackagedFile::new).collect())
+    }
+}

@@ -1,0 +1,23 @@
+/** Runs one task of publishing in a worker, then ends. */
+import init, { Publisher } from '../wasm/publish.js';
+import type { PackagedBytes } from './messages.js';
+import { serve } from './scope.js';
+
+serve(
+  (wasm) => init({ module_or_path: wasm ?? new URL('../wasm/publish_bg.wasm', import.meta.url) }),
+  (task, report) => {
+    const { bytes, name, options } = task;
+    switch (task.call) {
+      case 'flatten':
+        return Publisher.flatten(bytes, name, options, report);
+      case 'package':
+        return Publisher.package(bytes, name, options, report).map((file): PackagedBytes => {
+          const copy = { name: file.name, bytes: file.bytes };
+          file.free();
+          return copy;
+        });
+      default:
+        throw new Error(`${task.call} is a task of the other worker`);
+    }
+  },
+);

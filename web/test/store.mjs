@@ -1,0 +1,59 @@
+// A server of characters, as `articula serve` is: the program that the tests have built.
+import { execFileSync, spawn } from 'node:child_process';
+import { existsSync } from 'node:fs';
+import { mkdtemp, rm } from 'node:fs/promises';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { fileURLToPath } from 'node:url';
+
+const ROOT = fileURLToPath(new URL('../..', import.meta.url));
+
+/** The program; undefined if it is not built. */
+export const PROGRAM = [process.env.ARTICULA, join(ROOT, 'target/debug/articula')].find(
+  (path) => path !== undefined && existsSync(path),
+);
+
+/** Serves a character of the repository with one of its clips from a new folder, to pages of all origins. */
+export async function openStore(file, clip, name) {
+  const folder = await mkdtemp(join(tmpdir(), 'store-'));
+  const words = ['convert', join(ROOT, 'assets', file), join(folder, `${name}.glb`), '--clip', clip, '--quiet'];
+  execFileSync(PROGRAM, words, { stdio: ['ignore', 'ignore', 'inherit'] });
+  let running = await start(folder, '127.0.0.1:0');
+  const { url } = running;
+  const stop = () =>
+    new Promise((resolve) => {
+      running.child.once('exit', resolve);
+      running.child.kill('SIGKILL');
+    });
+  return {
+    url,
+    async restart() {
+      await stop();
+      running = await start(folder, new URL(url).host);
+    },
+    async close() {
+      await stop();
+      await rm(folder, { recursive: true, force: true });
+    },
+  };
+}
+
+/** Starts the program; resolves when it listens. */
+async function start(folder, address) {
+  const words = ['serve', folder, '--addr', address, '--allow-origin', '*', '--json'];
+  const child = spawn(PROGRAM, words, { stdio: ['ignore', 'pipe', 'inherit'] });
+  // Nothing of a test outlives it.
+  const end = () => child.kill('SIGKILL');
+  process.once('exit', end);
+  child.once('exit', () => process.off('exit', end));
+  let said = '';
+  for await (const line of createInterface({ input: child.stdout })) {
+    said += line;
+    const url = /"url":\s*"([^"]+)"/.exec(said)?.[1];
+    if (url !== undefined) {
+      return { child, url };
+    }
+  }
+  throw new Error('articula serve has ended');
+}
