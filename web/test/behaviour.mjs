@@ -30,11 +30,13 @@ export const BEHAVIOUR = [
   ]),
   {
     name: 'an object in a socket follows the joint',
+    share: 'plain',
     call: ['socketDistance', ['RightHand']],
     check: (metres) => unless(metres < 1e-4, `the object is ${metres} m off`),
   },
   {
     name: 'figures fade, add layers, turn joints and leave out what is far',
+    share: 'plain',
     call: ['motions', []],
     check: ({ apart, angle, returned }) => [
       ...['faded', 'layered', 'turned'].flatMap((name) => unless(apart[name] < 1e-3, `${name}: ${apart[name]} m`)),
@@ -45,6 +47,7 @@ export const BEHAVIOUR = [
   },
   {
     name: 'rays hit the characters where they stand',
+    share: 'plain',
     call: ['hits', []],
     check: ({ found, missed, onFigure }) => [
       ...found.flatMap((hit, i) => unless(hit?.character === i && hit.off < 2, `at ${i} hit ${JSON.stringify(hit)}`)),
@@ -54,6 +57,7 @@ export const BEHAVIOUR = [
   },
   {
     name: 'a budget raises the tolerance, and each of several cameras shows what it sees',
+    share: 'plain',
     call: ['budgetAndViews', []],
     check: ({ seen, tolerance }) => [
       ...unless(tolerance > 1, `the tolerance is ${tolerance} px`),
@@ -62,6 +66,7 @@ export const BEHAVIOUR = [
   },
   {
     name: 'files that are none throw errors with their names',
+    share: 'plain',
     call: ['hostile', []],
     check: ({ errors, clips, clip }) => [
       ...errors.flatMap((error) => unless(error.own && error.code && error.file === 'bad.glb', JSON.stringify(error))),
@@ -71,7 +76,7 @@ export const BEHAVIOUR = [
   },
   {
     name: 'disposals release all memory',
-    call: ['disposals', ['webgl', 40]],
+    call: ['disposals', ['webgl', 100]],
     check: ({ half, last }) =>
       unless(JSON.stringify(half) === JSON.stringify(last), `${JSON.stringify(half)}, then ${JSON.stringify(last)}`),
   },
@@ -88,6 +93,7 @@ export const BEHAVIOUR = [
   },
   {
     name: 'faces take expressions and morph targets by name',
+    share: 'plain',
     call: ['faces', []],
     check: ({ known, unknown, set, cleared }) => [
       ...unless(known && !unknown, `known ${known}, unknown ${unknown}`),
@@ -96,6 +102,7 @@ export const BEHAVIOUR = [
   },
   {
     name: 'figures and crowds tell the events of clips',
+    share: 'plain',
     call: ['clipEvents', []],
     check: ({ clip, told, code, message }) => [
       ...unless(
@@ -107,11 +114,13 @@ export const BEHAVIOUR = [
   },
   {
     name: 'files of other formats open by a worker',
+    share: 'plain',
     call: ['otherFormat', []],
     check: ({ clips, joints }) => unless(clips === 1 && joints > 15, `${clips} clips, ${joints} joints`),
   },
   {
     name: 'a worker prepares, and can be ended',
+    share: 'plain',
     call: ['preparing', []],
     check: ({ cancelled, steps, prepared, warnings, clips }) => [
       ...unless(cancelled === 'cancelled', `ending it gives ${cancelled}`),

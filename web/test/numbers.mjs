@@ -12,6 +12,7 @@ const CASES = [
 
 export const NUMBERS = CASES.map(([file, clip, secs]) => ({
   name: `numbers ${file.split('/')[1]}`,
+  share: 'plain',
   call: ['positions', [`/assets/${file}`, clip, secs]],
   check({ vertices, figure, crowd, outside, tight }) {
     const faults = [];

@@ -23,7 +23,8 @@ const counts = { passed: 0, failed: 0 };
 try {
   await mkdir(OUT, { recursive: true });
   const words = process.argv.slice(2);
-  const all = [...NUMBERS, ...BEHAVIOUR, ...READMES, ...STREAMS, ...PICTURES];
+  // Those that share a page together.
+  const all = [...NUMBERS, ...BEHAVIOUR, ...READMES, ...STREAMS, ...PICTURES].toSorted(byShare);
   for (const test of all.filter(({ name }) => words.every((word) => name.includes(word)))) {
     const faults = await run(test).catch((error) => [String(error)]);
     counts[faults.length === 0 ? 'passed' : 'failed'] += 1;
@@ -36,6 +37,11 @@ try {
 }
 console.log(`${counts.passed} passed, ${counts.failed} failed`);
 process.exitCode = counts.failed === 0 && counts.passed > 0 ? 0 : 1;
+
+/** Orders tests by the page that they share, and leaves others where they are. */
+function byShare(a, b) {
+  return (a.share ?? '').localeCompare(b.share ?? '');
+}
 
 /** Opens a page that is ready for tests; `errors` collects what goes wrong in it. */
 async function openPage() {
