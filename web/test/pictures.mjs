@@ -1,4 +1,8 @@
 // Pixels of figures and crowds beside three.js's own.
+import { existsSync } from 'node:fs';
+import { join } from 'node:path';
+
+import { DATA } from './server.mjs';
 
 /** Pixels that may differ by more than 8 levels, in percent. */
 const MOST_PERCENT = 0.5;
@@ -12,6 +16,12 @@ const FILES = [
   { file: 'glb/RobotExpressive.glb', clip: 'Robot_Dance' },
   { file: 'glb/ict_head_talk_554.glb', clip: 'talk_turn' },
   { file: 'vrm/debug_robot.vrm', clip: undefined },
+];
+
+/** Of the full set: many clips and parts; a human of many vertices and joints. */
+const DATA_FILES = [
+  { file: 'glb/KayKit_Knight.glb', clip: 'Walking_A' },
+  { file: 'glb/mh_female_dance.glb', clip: 'dance' },
 ];
 
 async function check(result, save) {
@@ -50,4 +60,18 @@ export const PICTURES = ['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) => [
     call: ['pictures', [kind, `/assets/${file}`, clip]],
     check,
   })),
-]).concat(EXAMPLES);
+]).concat(ofData(), EXAMPLES);
+
+/** Pictures of the full set, by one renderer: the others take its arrays alike. */
+function ofData() {
+  const [there, missing] = [true, false].map((is) => DATA_FILES.filter(({ file }) => existsSync(join(DATA, file)) === is));
+  for (const { file } of missing) {
+    console.log(`skipped: pictures of ${file}, not in ${DATA} (set ARTICULA_DATA)`);
+  }
+  return there.map(({ file, clip }) => ({
+    name: `pictures webgl ${file.split('/')[1]}`,
+    share: 'webgl',
+    call: ['pictures', ['webgl', `/data/${file}`, clip]],
+    check,
+  }));
+}

@@ -7,12 +7,24 @@ import { fileURLToPath } from 'node:url';
 
 const WEB = fileURLToPath(new URL('..', import.meta.url));
 const ASSETS = fileURLToPath(new URL('../../assets', import.meta.url));
+/** The full set of characters, if it is here. */
+export const DATA = process.env.ARTICULA_DATA ?? fileURLToPath(new URL('../../../shared/data', import.meta.url));
 const TYPES = {
   '.html': 'text/html',
   '.js': 'text/javascript',
   '.mjs': 'text/javascript',
   '.wasm': 'application/wasm',
 };
+
+/** The file of a path: characters of the repository and of the full set, else what belongs to the pages. */
+function fileOf(path) {
+  for (const [name, folder] of [['assets', ASSETS], ['data', DATA]]) {
+    if (path.startsWith(`${sep}${name}${sep}`)) {
+      return join(folder, path.slice(name.length + 2));
+    }
+  }
+  return join(WEB, path);
+}
 
 /** Starts a server, which keeps what is put; resolves to its address and a function that ends it. */
 export function serve() {
@@ -28,7 +40,7 @@ export function serve() {
       response.writeHead(200, { 'content-type': 'application/octet-stream' }).end(kept.get(path));
       return;
     }
-    const file = path.startsWith(`${sep}assets${sep}`) ? join(ASSETS, path.slice(8)) : join(WEB, path);
+    const file = fileOf(path);
     const found = await stat(file).catch(() => undefined);
     if (!found?.isFile()) {
       response.writeHead(404).end();

@@ -181,3 +181,18 @@ async fn interrupted() {
         std::future::pending::<()>().await;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_origin_is_a_scheme_and_a_host() {
+        for right in ["*", "https://example.com", "http://127.0.0.1:8080"] {
+            assert_eq!(origin(right).as_deref(), Ok(right));
+        }
+        for wrong in ["", "example.com", "https://", "https://a.com/", "https://a b", "ftp://a"] {
+            assert!(origin(wrong).is_err(), "{wrong}");
+        }
+    }
+}
