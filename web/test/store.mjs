@@ -23,8 +23,13 @@ export async function openStore(file, clip, name) {
   const { url } = running;
   const stop = () =>
     new Promise((resolve) => {
-      running.child.once('exit', resolve);
-      running.child.kill('SIGKILL');
+      const { child } = running;
+      if (child.exitCode !== null || child.signalCode !== null) {
+        resolve();
+        return;
+      }
+      child.once('exit', resolve);
+      child.kill('SIGKILL');
     });
   return {
     url,
