@@ -17,6 +17,7 @@
 //! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
+//! - [`greatest_vertex_error`]: how far two characters are apart in motion
 //! - [`hold_joints_in_clip`]: writes a motion at a level of articulation
 //! - [`face`]: facial animation parameters of MPEG-4 to blend shapes and back
 //! - [`evaluate`]: plays a clip with a method and measures its gain and its error in pixels
@@ -71,6 +72,7 @@ mod simplify;
 mod source_hash;
 mod split_mix;
 mod surface_distance;
+mod vertex_error;
 
 pub use character::{Asset, character, rig_and_mesh, sampled_clip};
 pub use clip::{ClipOptions, sampling_rate_hz};
@@ -115,3 +117,4 @@ pub use source_hash::{SourceHash, hash_bytes, rig_hash};
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
 };
+pub use vertex_error::{PosedVertices, greatest_vertex_error};

@@ -218,6 +218,19 @@ pub struct Articulation {
 }
 
 impl Articulation {
+    /// Joints of which nothing is known, where only their hierarchy matters.
+    pub fn unmapped(joints: usize) -> Self {
+        let unknown = JointArticulation {
+            hanim: None,
+            level: 0,
+            region: Region::Pelvis,
+        };
+        Self {
+            profile: String::new(),
+            joints: vec![unknown; joints],
+        }
+    }
+
     /// Returns the index of the first joint that is mapped to an H-Anim joint, by its name.
     pub fn find(&self, hanim: &str) -> Option<usize> {
         self.joints

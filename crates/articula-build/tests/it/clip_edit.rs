@@ -3,7 +3,7 @@
 use crate::random_figure::{Row, character_of, flat, rows};
 use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{CloseOptions, close_loop};
-use articula_build::clip_edit::{ReduceOptions, ReducedClip, reduce_keys};
+use articula_build::clip_edit::{ReduceOptions, ReducedClip, Timelines, reduce_keys};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, split_root_motion};
 use articula_core::source::{
     Channel, Character, Interpolation, Joint, MorphTarget, Property, RawClip, evaluate,
@@ -321,7 +321,7 @@ proptest! {
     ) {
         let character = figure_of(&rows, armature);
         let subject = EditSubject::new(&character, flat(rows.len() + 1), &[]).unwrap();
-        let opts = ReduceOptions { bound_metres, drop_rest };
+        let opts = ReduceOptions { bound_metres, drop_rest, timelines: Timelines::Own };
         let reduced = reduce_keys(&subject, &character.clips[0], &opts).unwrap();
         prop_assert!(reduced.worst_metres <= bound_metres);
         prop_assert!(reduced.after.bytes <= reduced.before.bytes);

@@ -13,6 +13,7 @@ pub(crate) mod gbsd;
 pub(crate) mod human;
 pub(crate) mod inspect;
 pub(crate) mod lod;
+pub(crate) mod optimize;
 pub(crate) mod package;
 pub(crate) mod play;
 pub(crate) mod serve;

@@ -6,7 +6,7 @@ use crate::real;
 use articula::build::Asset;
 use articula::build::ClipOptions;
 use articula::build::clip_edit::EditSubject;
-use articula::build::clip_edit::{ReduceOptions, reduce_keys, trim};
+use articula::build::clip_edit::{ReduceOptions, Timelines, reduce_keys, trim};
 use articula::core::PosedMesh;
 use articula::core::source::{Character, RawClip, evaluate};
 use articula::formats::{Limits, bvh, gltf, joint_map};
@@ -83,6 +83,7 @@ fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
             let opts = ReduceOptions {
                 bound_metres,
                 drop_rest: true,
+                timelines: Timelines::Own,
             };
             let out = reduce_keys(&subject, clip, &opts).unwrap();
             let (before, after) = (out.before, out.after);

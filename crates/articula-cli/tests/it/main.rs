@@ -45,6 +45,7 @@ mod mesh_levels;
 mod meshopt_oracle;
 mod mp4;
 mod mpeg4;
+mod optimized;
 mod oracle;
 mod playing;
 mod pose_cache_files;

@@ -31,6 +31,17 @@ impl Component {
         })
     }
 
+    fn code(self) -> u32 {
+        match self {
+            Self::I8 => 5120,
+            Self::U8 => 5121,
+            Self::I16 => 5122,
+            Self::U16 => 5123,
+            Self::U32 => 5125,
+            Self::F32 => 5126,
+        }
+    }
+
     fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -126,6 +137,25 @@ impl Accessor<'_> {
 
     pub(super) fn place(&self) -> &Place<'_> {
         &self.place
+    }
+
+    /// Number of numbers of an element.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The code of its component type in the format.
+    pub(super) fn component_code(&self) -> u32 {
+        self.component.code()
+    }
+
+    pub(super) fn is_normalized(&self) -> bool {
+        self.is_normalized
+    }
+
+    /// Whether its numbers are floats.
+    pub(super) fn is_float(&self) -> bool {
+        self.component == Component::F32
     }
 
     /// Returns the size of one element in bytes.

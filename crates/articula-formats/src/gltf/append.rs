@@ -114,6 +114,16 @@ impl Document {
         }
     }
 
+    /// The type of the elements of an accessor, such as `VEC3`.
+    pub(super) fn element_type(&self, accessor: usize) -> String {
+        let accessor = self
+            .json
+            .get("accessors")
+            .and_then(|list| list.get(accessor));
+        let kind = accessor.and_then(|a| a.get("type")?.as_str());
+        kind.unwrap_or("").to_owned()
+    }
+
     /// Returns the number of entries of a top-level array.
     pub(super) fn count(&self, key: &str) -> usize {
         self.json

@@ -81,7 +81,7 @@ impl Document {
     }
 
     /// Returns for each node whether it was turned when it was read; only in VRM 0.x.
-    fn turned_nodes(&self) -> Vec<bool> {
+    pub(super) fn turned_nodes(&self) -> Vec<bool> {
         if !faces_back(&self.json) {
             return Vec::new();
         }
@@ -94,11 +94,7 @@ impl Document {
         channels: &[Cow<'_, Channel>],
         nodes: &Nodes<'_>,
     ) -> Value {
-        let mut arrays = Arrays {
-            view: self.count("bufferViews"),
-            bytes: Vec::new(),
-            known: HashMap::new(),
-        };
+        let mut arrays = Arrays::new(self);
         let mut samplers = Vec::new();
         let mut targets = Vec::new();
         for channel in channels {
@@ -120,16 +116,16 @@ impl Document {
 }
 
 /// Mapping from channel targets to nodes.
-struct Nodes<'a> {
-    of_joint: &'a [usize],
-    of_mesh: &'a [usize],
-    of_expression: &'a [Option<usize>],
-    is_turned: Vec<bool>,
-    count: usize,
+pub(super) struct Nodes<'a> {
+    pub(super) of_joint: &'a [usize],
+    pub(super) of_mesh: &'a [usize],
+    pub(super) of_expression: &'a [Option<usize>],
+    pub(super) is_turned: Vec<bool>,
+    pub(super) count: usize,
 }
 
 impl Nodes<'_> {
-    fn node(&self, channel: &Channel) -> Option<usize> {
+    pub(super) fn node(&self, channel: &Channel) -> Option<usize> {
         let node = match channel.property {
             Property::Weights => self.of_mesh.get(channel.target).copied(),
             Property::Expression => self.of_expression.get(channel.target).copied().flatten(),
@@ -139,7 +135,7 @@ impl Nodes<'_> {
     }
 
     /// Returns the channel with the keys to be stored.
-    fn as_stored<'c>(&self, channel: &'c Channel) -> Cow<'c, Channel> {
+    pub(super) fn as_stored<'c>(&self, channel: &'c Channel) -> Cow<'c, Channel> {
         let is_turned = |node: usize| self.is_turned.get(node) == Some(&true);
         match channel.property {
             // The value of an expression is the x translation of its node.
@@ -157,7 +153,7 @@ impl Nodes<'_> {
         }
     }
 
-    fn check(&self, i: usize, channel: &Channel) -> Result<(), WriteError> {
+    pub(super) fn check(&self, i: usize, channel: &Channel) -> Result<(), WriteError> {
         let at = || format!("channel {i}");
         if self.node(channel).is_none() {
             let what = format!("target {} has no node", channel.target);
@@ -186,14 +182,23 @@ impl Nodes<'_> {
 }
 
 /// The arrays of one animation, in one buffer view; equal ones are stored once.
-struct Arrays {
+pub(super) struct Arrays {
     view: usize,
-    bytes: Vec<u8>,
+    pub(super) bytes: Vec<u8>,
     known: HashMap<(usize, Vec<u8>), usize>,
 }
 
 impl Arrays {
-    fn add(&mut self, document: &mut Document, numbers: &[f32], width: usize) -> usize {
+    /// Arrays of the view that is added next to a document.
+    pub(super) fn new(document: &Document) -> Self {
+        Self {
+            view: document.count("bufferViews"),
+            bytes: Vec::new(),
+            known: HashMap::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, document: &mut Document, numbers: &[f32], width: usize) -> usize {
         let bytes = float_bytes(numbers);
         let key = (width, bytes);
         if let Some(accessor) = self.known.get(&key) {
@@ -220,7 +225,7 @@ impl Arrays {
 }
 
 /// Returns the number of floats per element of the output accessor.
-fn element_width(property: Property) -> usize {
+pub(super) fn element_width(property: Property) -> usize {
     match property {
         Property::Translation | Property::Scale | Property::Expression => 3,
         Property::Rotation => 4,
@@ -236,7 +241,7 @@ fn element_type(width: usize) -> &'static str {
     }
 }
 
-fn path(property: Property) -> &'static str {
+pub(super) fn path(property: Property) -> &'static str {
     match property {
         Property::Translation | Property::Expression => "translation",
         Property::Rotation => "rotation",
@@ -245,7 +250,7 @@ fn path(property: Property) -> &'static str {
     }
 }
 
-fn interpolation(interpolation: Interpolation) -> &'static str {
+pub(super) fn interpolation(interpolation: Interpolation) -> &'static str {
     match interpolation {
         Interpolation::Linear => "LINEAR",
         Interpolation::Step => "STEP",

@@ -19,12 +19,15 @@
 //! - `prepared`: the extension `ARTICULA_prepared`
 //! - `face`: the extension `ARTICULA_face`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`, `samplers`, `unit`: changes to a document
+//! - `keys`: other keys for the channels that a document has
 //! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
 //! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
 //! - `morph_targets`, `kept_morphs`: morph targets that are added and left out
-//! - `weight`: size of meshes in bytes; `compact`: equal arrays once, numbers of few digits
-//! - `write`: back to bytes
+//! - `unused_attributes`: what no material uses
+//! - `vertex_order`: triangles and vertices in an order that caches like
+//! - `kinds`, `weight`: sizes of parts, and of meshes, in bytes; `compact`: equal arrays once, numbers of few digits
+//! - `write`: back to bytes; `compressed`: with rounded and compressed arrays
 //!
 //! Source: glTF 2.0 specification (ISO/IEC 12113:2022). See `docs/formats/gltf.md`.
 
@@ -37,6 +40,7 @@ mod bounds;
 mod clips;
 mod clustered;
 mod compact;
+mod compressed;
 mod compression;
 mod container;
 mod credits;
@@ -50,7 +54,9 @@ mod geometry;
 mod influences;
 mod joints;
 mod kept_morphs;
+mod keys;
 mod khr_character;
+mod kinds;
 mod lod;
 mod material;
 mod matrices;
@@ -75,16 +81,23 @@ mod skin;
 mod texcoord;
 mod texture_source;
 mod unit;
+mod unused_attributes;
+mod vertex_order;
 mod vrm;
 mod weight;
 mod write;
 
 pub use clustered::{MeshParts, PartLevels};
+pub use compressed::{
+    ArrayPrecision, Compression, WeightPrecision, compressed_clip_bytes, key_time_step,
+    rotation_units,
+};
 pub use document::Document;
 pub use exchange::{MeshGeometry, placeholder};
 pub use face::{StoredFace, StoredPoint};
 pub use joints::{NewJoint, OldJoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
+pub use kinds::BytesByKind;
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;
 

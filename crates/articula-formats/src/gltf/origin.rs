@@ -1,5 +1,6 @@
 //! Mapping from the parts of a mesh as read to the primitives of the document.
 
+use super::append::index;
 use super::document::Document;
 use super::place::Place;
 use super::primitive;
@@ -54,6 +55,16 @@ pub(super) fn mesh_of<'a>(reader: &Reader<'a>, node: usize) -> Result<Place<'a>,
 }
 
 impl Document {
+    /// Number of meshes.
+    pub fn mesh_count(&self) -> usize {
+        self.count("meshes")
+    }
+
+    /// The mesh that a node shows, by its index.
+    pub fn mesh_of_node(&self, node: usize) -> Option<usize> {
+        index(self.json.get("nodes")?.get(node)?, "mesh")
+    }
+
     /// Finds the vertices of a part that are equal in every byte of the document: in all
     /// attributes, including those that a character does not hold (tangents, further texture
     /// coordinates and colours, custom ones), and in all morph targets. Returns for each vertex the

@@ -62,6 +62,15 @@ impl Document {
         }
     }
 
+    /// Drops accessors that nothing refers to any more, but not what they describe; returns the new index
+    /// of those that stay.
+    pub(super) fn drop_copies(&mut self, copies: BTreeSet<usize>) -> impl Fn(usize) -> usize {
+        remove(&mut self.json, "accessors", &copies);
+        let new = renumbered(&copies);
+        each_accessor_reference(&mut self.json, &mut |i| new(i));
+        new
+    }
+
     /// Removes the motion tables of all animations. They hold for one order of vertices and one
     /// set of joints and clips, so whoever changes these removes them.
     pub fn remove_motion_tables(&mut self) {
@@ -293,7 +302,7 @@ fn remove(json: &mut Value, key: &str, dropped: &BTreeSet<usize>) -> Vec<Value> 
     values(gone)
 }
 
-fn renumbered(dropped: &BTreeSet<usize>) -> impl Fn(usize) -> usize {
+fn renumbered(dropped: &BTreeSet<usize>) -> impl Fn(usize) -> usize + use<> {
     let dropped: Vec<usize> = dropped.iter().copied().collect();
     move |i| i - dropped.partition_point(|&d| d < i)
 }

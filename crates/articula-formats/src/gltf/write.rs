@@ -22,30 +22,11 @@ impl Document {
     /// the JSON.
     pub fn write_glb(&self) -> Result<Vec<u8>, WriteError> {
         let (json, binary) = self.packed()?;
-        let mut text = json.to_string().into_bytes();
-        text.resize(text.len().next_multiple_of(4), b' ');
-        let chunk = binary.len().next_multiple_of(4);
-        let has_binary = !binary.is_empty();
-        let total = 20 + text.len() as u64 + if has_binary { 8 + chunk as u64 } else { 0 };
-        let length = u32::try_from(total).map_err(|_| WriteError::TooLarge { bytes: total })?;
-        let mut out = Vec::with_capacity(total as usize);
-        out.extend_from_slice(b"glTF");
-        out.extend_from_slice(&2u32.to_le_bytes());
-        out.extend_from_slice(&length.to_le_bytes());
-        out.extend_from_slice(&(text.len() as u32).to_le_bytes());
-        out.extend_from_slice(b"JSON");
-        out.extend_from_slice(&text);
-        if has_binary {
-            out.extend_from_slice(&(chunk as u32).to_le_bytes());
-            out.extend_from_slice(b"BIN\0");
-            out.extend_from_slice(&binary);
-            out.resize(total as usize, 0);
-        }
-        Ok(out)
+        glb(&json, &binary)
     }
 
     /// Returns the JSON for a single buffer, and that buffer.
-    fn packed(&self) -> Result<(Value, Vec<u8>), WriteError> {
+    pub(super) fn packed(&self) -> Result<(Value, Vec<u8>), WriteError> {
         if self.count("buffers") != self.buffers.len() {
             let what = format!("{} for {}", self.buffers.len(), self.count("buffers"));
             return Err(WriteError::mismatch("buffers", what));
@@ -101,6 +82,30 @@ impl Document {
             views += 1;
         }
     }
+}
+
+/// Returns a GLB of a document and its one buffer.
+pub(super) fn glb(json: &Value, binary: &[u8]) -> Result<Vec<u8>, WriteError> {
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let chunk = binary.len().next_multiple_of(4);
+    let has_binary = !binary.is_empty();
+    let total = 20 + text.len() as u64 + if has_binary { 8 + chunk as u64 } else { 0 };
+    let length = u32::try_from(total).map_err(|_| WriteError::TooLarge { bytes: total })?;
+    let mut out = Vec::with_capacity(total as usize);
+    out.extend_from_slice(b"glTF");
+    out.extend_from_slice(&2u32.to_le_bytes());
+    out.extend_from_slice(&length.to_le_bytes());
+    out.extend_from_slice(&(text.len() as u32).to_le_bytes());
+    out.extend_from_slice(b"JSON");
+    out.extend_from_slice(&text);
+    if has_binary {
+        out.extend_from_slice(&(chunk as u32).to_le_bytes());
+        out.extend_from_slice(b"BIN\0");
+        out.extend_from_slice(binary);
+        out.resize(total as usize, 0);
+    }
+    Ok(out)
 }
 
 /// Adjusts a reference to one of several buffers after they were merged.

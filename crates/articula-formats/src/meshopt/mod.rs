@@ -1,11 +1,12 @@
-//! The meshopt codec: decoding of compressed glTF buffer views.
+//! The meshopt codec: compressed glTF buffer views.
 //!
 //! Attributes (bitstreams v0 and v1), triangles, index sequences, and the filters that are applied
-//! afterwards. There is no encoder.
+//! afterwards.
 //!
 //! - `stream`: cursor over the bytes before the tail
 //! - `attributes`, `triangles`, `sequence`: the three modes
 //! - `filter`: octahedral, quaternion, exponential, color
+//! - `encode`: the encoder
 //!
 //! Source: KHR_meshopt_compression, appendices A and B; EXT_meshopt_compression is the same without
 //! bitstream v1 and the color filter. Differs: triangles of header 0xe0, which meshoptimizer wrote
@@ -13,6 +14,7 @@
 //! exist yet is an error, as the text of the extension requires and the library does not.
 
 mod attributes;
+pub(crate) mod encode;
 mod filter;
 mod sequence;
 mod stream;

@@ -34,7 +34,7 @@ mod written;
 
 pub use crate::open::{ClipProvenance, FittedClip, NameTransfer};
 pub use articula_build::clip_edit::CloseOptions;
-pub use articula_build::clip_edit::ReduceOptions;
+pub use articula_build::clip_edit::{ReduceOptions, Timelines};
 pub use articula_build::clip_edit::{RootMotionMode, RootMotionOptions};
 pub use articula_build::retarget::{ContactPinning, RetargetOptions, RetargetReport};
 pub use clip_edits::{

@@ -2,7 +2,9 @@
 
 use crate::real::real_data;
 use crate::short::shortened;
-use articula::convert::{ClipEdits, ClipPart, ClipProvenance, ReduceOptions, fit_clips, write};
+use articula::convert::{
+    ClipEdits, ClipPart, ClipProvenance, ReduceOptions, Timelines, fit_clips, write,
+};
 use articula::glam::{EulerRot, Quat, Vec3};
 use articula::inspect::inspect;
 use articula::{
@@ -318,6 +320,7 @@ fn a_file_is_edited_and_written_in_another_format() {
             reduce_keys: Some(ReduceOptions {
                 bound_metres: 1e-3,
                 drop_rest: false,
+                timelines: Timelines::Own,
             }),
             ..ClipEdits::default()
         },

@@ -34,6 +34,7 @@ mod kept_faces;
 mod keys;
 mod mesh_levels;
 mod mp4;
+mod optimized;
 mod played_traces;
 mod prepared;
 mod promised_errors;

@@ -3,9 +3,9 @@
 
 use super::super::channel;
 use super::super::subject::EditSubject;
-use super::ReduceOptions;
 use super::morphs::MorphErrors;
 use super::watch::Watch;
+use super::{ReduceOptions, Timelines};
 use crate::motion_error::keys::central_rotation;
 use crate::motion_error::runs::long_runs;
 use articula_core::LibmQuat;
@@ -97,6 +97,23 @@ impl<'a> Choice<'a> {
         nearest(before + 1, after)
     }
 
+    /// Whether it keeps keys, and not this one.
+    pub(super) fn lacks(&self, key: usize) -> bool {
+        matches!(&self.kept, KeptKeys::Keys(keys) if keys.binary_search(&key).is_err())
+    }
+
+    /// Whether it keeps more than one value.
+    pub(super) fn keeps_keys(&self) -> bool {
+        matches!(self.kept, KeptKeys::Keys(_))
+    }
+
+    /// Keeps the keys of another channel, if it kept none.
+    pub(super) fn join(&mut self, kept: KeptKeys) {
+        if !self.keeps_keys() {
+            self.kept = kept;
+        }
+    }
+
     /// Keeps one more key and returns the interval in which the channel has changed.
     pub(super) fn keep(&mut self, key: usize) -> (f32, f32) {
         let last = self.source.times_secs.len() - 1;
@@ -122,8 +139,10 @@ pub(super) fn first<'a>(
     morphs: &MorphErrors,
 ) -> Vec<Choice<'a>> {
     let levers = watch.levers(subject);
-    let channels = clip.channels.iter().enumerate();
-    channels
+    let near: Vec<_> = clip
+        .channels
+        .iter()
+        .enumerate()
         .map(|(c, source)| {
             let metres = if source.property == Property::Weights {
                 // The other half is left to the joints that carry the same skin.
@@ -132,10 +151,15 @@ pub(super) fn first<'a>(
                 FIRST_SHARE * opts.bound_metres
             };
             let tolerance = tolerance(subject, source, &levers, metres);
-            let near = |a: &[f32], b: &[f32]| match source.property {
+            move |a: &[f32], b: &[f32]| match source.property {
                 Property::Weights => morphs.is_within(c, a, b, metres),
                 _ => distance(source.property, a, b) <= tolerance,
-            };
+            }
+        })
+        .collect();
+    let each = clip.channels.iter().zip(&near);
+    let mut choices: Vec<Choice<'a>> = each
+        .map(|(source, near)| {
             let rest = rest(subject, source);
             Choice {
                 kept: kept(source, &rest, opts.drop_rest, near),
@@ -143,7 +167,42 @@ pub(super) fn first<'a>(
                 source,
             }
         })
-        .collect()
+        .collect();
+    if opts.timelines == Timelines::Shared {
+        share(&mut choices, &near);
+    }
+    choices
+}
+
+/// Lets channels whose keys have the same times keep the same ones: the ends of the longest runs that
+/// all of them can omit.
+fn share(choices: &mut [Choice<'_>], near: &[impl Fn(&[f32], &[f32]) -> bool]) {
+    let keeps = |choice: &Choice<'_>| {
+        let is_linear = choice.source.interpolation != Interpolation::CubicSpline;
+        is_linear && matches!(choice.kept, KeptKeys::Keys(_))
+    };
+    let mut is_done = vec![false; choices.len()];
+    for first in 0..choices.len() {
+        if is_done[first] || !keeps(&choices[first]) {
+            continue;
+        }
+        let times = choices[first].source.times_secs.clone();
+        let is_member = |c: &usize| keeps(&choices[*c]) && choices[*c].source.times_secs == times;
+        let members: Vec<usize> = (first..choices.len()).filter(is_member).collect();
+        let fits = |from: usize, to: usize| {
+            members.iter().all(|c| {
+                let source = choices[*c].source;
+                (from + 1..to)
+                    .all(|k| near[*c](&between(source, from, to, k), channel::key_value(source, k)))
+            })
+        };
+        let ends = long_runs(times.len() - 1, fits);
+        let keys: Vec<usize> = std::iter::once(0).chain(ends).collect();
+        for c in members {
+            is_done[c] = true;
+            choices[c].kept = KeptKeys::Keys(keys.clone());
+        }
+    }
 }
 
 /// Restores all keys of channels that have lost so few that the times of the remaining ones, which
@@ -283,6 +342,28 @@ fn tolerance(subject: &EditSubject<'_>, source: &Channel, levers: &[f32], metres
         Property::Weights => metres,
         Property::Expression => SAME_EXPRESSION,
     }
+}
+
+/// As [`tolerance`], and for weights of morph targets in their unit.
+pub(super) fn value_tolerance(
+    subject: &EditSubject<'_>,
+    source: &Channel,
+    levers: &[f32],
+    metres: f32,
+) -> f32 {
+    if source.property != Property::Weights {
+        return tolerance(subject, source, levers, metres);
+    }
+    let mesh = &subject.mesh;
+    let first = mesh.morph_slots[source.target];
+    let slots = first..first + subject.morph_counts[source.target];
+    let own = mesh
+        .morphs
+        .iter()
+        .filter(|m| slots.contains(&usize::from(m.slot)));
+    let offsets = own.flat_map(|morph| &morph.positions);
+    let reach = offsets.map(|offset| offset.length()).fold(0.0, f32::max);
+    (metres / reach.max(1e-6)).min(1.0)
 }
 
 fn rest(subject: &EditSubject<'_>, source: &Channel) -> Vec<f32> {

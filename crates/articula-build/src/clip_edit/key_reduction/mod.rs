@@ -36,6 +36,19 @@ pub struct ReduceOptions {
     /// Whether channels that equal the rest pose, within the same bound, are dropped. Otherwise
     /// they keep one key, so that a player that blends clips finds them.
     pub drop_rest: bool,
+    /// Which keys channels keep.
+    pub timelines: Timelines,
+}
+
+/// Times of the keys that are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Timelines {
+    /// Each channel keeps the keys that it needs: the fewest values.
+    #[default]
+    Own,
+    /// Channels whose keys have the same times in the source keep the same ones: more values, and one
+    /// array of times for all.
+    Shared,
 }
 
 /// A clip with fewer keys, and measurements of it.
@@ -79,9 +92,10 @@ pub fn reduce_keys(
     let watch = Watch::new(subject, clip);
     let morphs = MorphErrors::new(subject, clip);
     let mut choices = choice::first(subject, clip, opts, &watch, &morphs);
-    let mut proof = Proof::new(subject, clip, &times, &watch, &morphs, opts.bound_metres);
+    let mut proof = Proof::new(subject, clip, &times, &watch, &morphs, opts);
     let mut worst_metres = proof.tighten(&mut choices);
-    if choice::give_back(&mut choices) {
+    // Channels of shared times have lost the same keys.
+    if opts.timelines == Timelines::Own && choice::give_back(&mut choices) {
         worst_metres = proof.tighten(&mut choices);
     }
     let left = choices.iter().filter(|c| c.kept != KeptKeys::Rest);
@@ -101,6 +115,22 @@ pub fn reduce_keys(
         after: whole_clip_size(&out),
         clip: out,
     })
+}
+
+/// For each channel of a clip, the change of a value by which nothing of the character moves by more
+/// than `metres`, if no other channel changes: in radians for rotations, else in the unit of the values.
+///
+/// # Errors
+/// A [`Mismatch`] if the clip does not belong to this character.
+pub fn value_tolerances(
+    subject: &EditSubject<'_>,
+    clip: &RawClip,
+    metres: f32,
+) -> Result<Vec<f32>, Mismatch> {
+    subject.check(clip)?;
+    let levers = Watch::new(subject, clip).levers(subject);
+    let tolerance = |channel| choice::value_tolerance(subject, channel, &levers, metres);
+    Ok(clip.channels.iter().map(tolerance).collect())
 }
 
 #[cfg(test)]
@@ -144,6 +174,7 @@ mod tests {
         let opts = ReduceOptions {
             bound_metres,
             drop_rest,
+            timelines: Timelines::Own,
         };
         let out = reduce_keys(bar, clip, &opts).unwrap();
         assert!(out.worst_metres <= bound_metres);
@@ -235,6 +266,7 @@ mod tests {
             let opts = ReduceOptions {
                 bound_metres,
                 drop_rest: false,
+                timelines: Timelines::Own,
             };
             assert!(reduce_keys(&bar, &spline, &opts).is_err());
         }

@@ -4,6 +4,7 @@ use super::super::subject::{EditSubject, Posed};
 use super::choice::{Choice, distance};
 use super::morphs::MorphErrors;
 use super::watch::Watch;
+use super::{ReduceOptions, Timelines};
 use articula_core::Rig;
 use articula_core::source::{Channel, Property, RawClip};
 use glam::Vec3A;
@@ -16,6 +17,8 @@ pub(super) struct Proof<'a> {
     watch: &'a Watch,
     morphs: &'a MorphErrors,
     bound_metres: f32,
+    /// Whether channels with the same times in the source keep the same keys.
+    is_shared: bool,
     /// Maximum error at each time, as far as it is known.
     errors: Vec<f32>,
     /// Times that must be evaluated (again).
@@ -79,7 +82,7 @@ impl<'a> Proof<'a> {
         times: &'a [f32],
         watch: &'a Watch,
         morphs: &'a MorphErrors,
-        bound_metres: f32,
+        opts: &ReduceOptions,
     ) -> Self {
         Self {
             subject,
@@ -87,7 +90,8 @@ impl<'a> Proof<'a> {
             times,
             watch,
             morphs,
-            bound_metres,
+            bound_metres: opts.bound_metres,
+            is_shared: opts.timelines == Timelines::Shared,
             errors: vec![0.0; times.len()],
             is_open: vec![false; times.len()],
             wanted: subject.rest(),
@@ -118,8 +122,7 @@ impl<'a> Proof<'a> {
                 let Some((c, key)) = self.blamed(breach, &shown, choices) else {
                     continue;
                 };
-                let (from, to) = choices[c].keep(key);
-                shown.channels[c] = choices[c].shown();
+                let (from, to) = self.keep(c, key, choices, &mut shown);
                 mended.spans[choices[c].source.target].push((from, to));
                 self.reopen(from, to);
                 is_done = false;
@@ -128,6 +131,45 @@ impl<'a> Proof<'a> {
                 return self.errors.iter().copied().fold(0.0, f32::max);
             }
         }
+    }
+
+    /// Keeps a key of a channel, and of those that share its times; returns the interval in which they
+    /// have changed.
+    fn keep(
+        &self,
+        c: usize,
+        key: usize,
+        choices: &mut [Choice<'_>],
+        shown: &mut RawClip,
+    ) -> (f32, f32) {
+        let times = &choices[c].source.times_secs;
+        let shared =
+            |choice: &&Choice<'_>| choice.keeps_keys() && choice.source.times_secs == *times;
+        if let Some(other) = choices.iter().find(shared).filter(|_| self.is_shared) {
+            let kept = other.kept.clone();
+            choices[c].join(kept);
+        }
+        let mut changed = (f32::NEG_INFINITY, f32::INFINITY);
+        if !choices[c].keeps_keys() || choices[c].lacks(key) {
+            changed = choices[c].keep(key);
+        }
+        let (mut from, mut to) = changed;
+        shown.channels[c] = choices[c].shown();
+        if !self.is_shared {
+            return (from, to);
+        }
+        for (other, choice) in choices
+            .iter_mut()
+            .enumerate()
+            .filter(|(other, _)| *other != c)
+        {
+            if choice.source.times_secs == *times && choice.lacks(key) {
+                let (a, b) = choice.keep(key);
+                (from, to) = (from.min(a), to.max(b));
+                shown.channels[other] = choice.shown();
+            }
+        }
+        (from, to)
     }
 
     fn reopen(&mut self, from: f32, to: f32) {

@@ -6,7 +6,7 @@ use anyhow::Context;
 use articula::Format;
 use articula::convert::{
     ClipEdited, ClipEdits, ClipPart, CloseOptions, KeysReduced, Looped, ReduceOptions,
-    RootMotionEdited, RootMotionMode, RootMotionOptions,
+    RootMotionEdited, RootMotionMode, RootMotionOptions, Timelines,
 };
 use clap::Args;
 
@@ -201,6 +201,7 @@ fn reduction(text: &str) -> Result<ReduceOptions, String> {
         drop_rest: more.map_or(Ok(false), |m| {
             arguments::word(m.trim(), &[("drop-rest", true)])
         })?,
+        timelines: Timelines::Own,
     })
 }
 

@@ -1,0 +1,231 @@
+//! `articula optimize IN... OUT`: writes characters in fewer bytes, at an error in motion that is measured
+//! on what is written.
+
+mod report;
+
+use crate::arguments::{ReadArgs, positive};
+use crate::console::Console;
+use crate::open;
+use crate::{fault, files};
+use articula::formats::Limits;
+use articula::optimize::{Compression, ErrorBound, OptimizeOptions, optimize};
+use articula::{CharacterFile, Format};
+use clap::{Args, ValueEnum};
+use report::{Batch, OptimizedFile};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `optimize`.
+#[derive(Debug, Args)]
+pub(crate) struct OptimizeArgs {
+    /// Character files (.glb, .gltf, .vrm, .fbx, .bvh, ...); last the file to write (.glb, .vrm), or a
+    /// folder that receives one file for each input
+    #[arg(value_name = "IN… OUT", required = true, num_args = 2..)]
+    paths: Vec<PathBuf>,
+    /// Greatest error in motion of any vertex: pixels of a picture that the figure at rest fills from top to
+    /// bottom (1px), or a length (0.5mm)
+    #[arg(long, value_name = "1px|0.5mm", default_value = "1px", value_parser = error)]
+    error: Given,
+    /// Height of that picture in pixels
+    #[arg(long, value_name = "N", default_value_t = 720.0, value_parser = positive)]
+    height_px: f32,
+    /// Extension that holds compressed arrays: ext (EXT_meshopt_compression, which viewers and engines
+    /// read), khr (KHR_meshopt_compression, fewer bytes, a release candidate), none
+    #[arg(long, value_enum, value_name = "KIND", default_value_t = Kind::Ext)]
+    compress: Kind,
+    /// Keep all keys, and round their values alone
+    #[arg(long)]
+    no_keys: bool,
+    /// Seed of the times at which the error is measured, besides key times and their middles
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    names: ReadArgs,
+}
+
+/// An error as it is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Given {
+    Pixels(f32),
+    Metres(f32),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    Ext,
+    Khr,
+    None,
+}
+
+/// Parses pixels or a length.
+fn error(text: &str) -> Result<Given, String> {
+    let text = text.trim();
+    let units = [
+        ("px", None),
+        ("mm", Some(1e-3)),
+        ("cm", Some(1e-2)),
+        ("m", Some(1.0)),
+    ];
+    let found = units.into_iter().find_map(|(unit, metres)| {
+        let number = text.strip_suffix(unit)?;
+        Some((positive(number).ok()?, metres))
+    });
+    match found {
+        Some((px, None)) => Ok(Given::Pixels(px)),
+        Some((length, Some(metres))) => Ok(Given::Metres(length * metres)),
+        None => Err("expected pixels or a length above 0, such as 1px or 0.5mm".to_owned()),
+    }
+}
+
+/// Optimises and writes.
+pub(crate) fn run(args: &OptimizeArgs, console: &Console) -> anyhow::Result<()> {
+    let plan = args.plan()?;
+    let inputs = plan.iter().map(|(input, _)| *input);
+    let made = args.folder().is_none_or(Path::is_dir);
+    let outputs = plan.iter().filter(|_| made).map(|(_, out)| out.as_path());
+    console
+        .files
+        .plan(inputs.chain(args.names.inputs()), outputs)?;
+    let mut done = Vec::new();
+    let mut faults = Vec::new();
+    for (input, out) in &plan {
+        match args.optimized(input, out, console) {
+            Ok(report) => done.push(report),
+            Err(fault) if plan.len() == 1 => return Err(fault),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    match (args.folder(), done.pop()) {
+        (None, Some(one)) => console.result(&one, OptimizedFile::text)?,
+        (_, last) => {
+            done.extend(last);
+            let batch = Batch {
+                files: done,
+                failed: faults.iter().map(fault::line).collect(),
+            };
+            console.result(&batch, Batch::text)?;
+        }
+    }
+    faults.iter().for_each(|fault| console.fault(fault));
+    match faults.len() {
+        0 => Ok(()),
+        failed => anyhow::bail!("{failed} of {} files could not be optimised", plan.len()),
+    }
+}
+
+impl OptimizeArgs {
+    fn out(&self) -> &Path {
+        self.paths.last().map_or(Path::new(""), PathBuf::as_path)
+    }
+
+    fn inputs(&self) -> &[PathBuf] {
+        &self.paths[..self.paths.len().saturating_sub(1)]
+    }
+
+    /// The folder that receives the files, if there are several or it is one.
+    fn folder(&self) -> Option<&Path> {
+        let out = self.out();
+        let is_folder = self.inputs().len() > 1 || out.is_dir() || files::ends_with_separator(out);
+        is_folder.then_some(out)
+    }
+
+    /// Each input and the file that is written of it.
+    fn plan(&self) -> anyhow::Result<Vec<(&Path, PathBuf)>> {
+        let out = self.out();
+        let Some(folder) = self.folder() else {
+            if !matches!(files::format(out), Some(Format::Glb | Format::Vrm)) {
+                let what =
+                    "an optimised file is a GLB; name the file .glb or .vrm, or a folder with /";
+                return Err(fault::usage(format!("{}: {what}", files::shown(out))));
+            }
+            return Ok(vec![(self.inputs()[0].as_path(), out.to_owned())]);
+        };
+        if files::is_no_folder(folder) {
+            let what = "this is a file; name a folder for several files";
+            return Err(fault::usage(format!("{}: {what}", files::shown(folder))));
+        }
+        let mut plan: Vec<(&Path, PathBuf)> = Vec::new();
+        for input in self.inputs() {
+            let extension = match files::format(input) {
+                Some(Format::Vrm) => "vrm",
+                _ => "glb",
+            };
+            let name = input.file_stem().unwrap_or_default();
+            let out = folder.join(name).with_extension(extension);
+            if let Some((other, _)) = plan.iter().find(|(_, o)| *o == out) {
+                let (a, b) = (files::shown(other), files::shown(input));
+                let what = format!("{a} and {b} would both become {}", files::shown(&out));
+                return Err(fault::usage(what));
+            }
+            plan.push((input, out));
+        }
+        Ok(plan)
+    }
+
+    fn options(&self) -> OptimizeOptions {
+        OptimizeOptions {
+            error: match self.error {
+                Given::Metres(metres) => ErrorBound::Metres(metres),
+                Given::Pixels(px) => ErrorBound::Pixels {
+                    px,
+                    height_px: self.height_px,
+                },
+            },
+            compression: match self.compress {
+                Kind::Ext => Compression::Ext,
+                Kind::Khr => Compression::Khr,
+                Kind::None => Compression::None,
+            },
+            reduce_keys: !self.no_keys,
+            seed: self.seed,
+        }
+    }
+
+    /// Writes one file. The source is written where the result would not be smaller.
+    fn optimized(
+        &self,
+        input: &Path,
+        out: &Path,
+        console: &Console,
+    ) -> anyhow::Result<OptimizedFile> {
+        let opened = open::motion(&console.files, input, &self.names)?;
+        let made = console.work(|work| optimize(&opened, &self.options(), work))?;
+        let is_whole = is_whole(&opened, input);
+        let is_kept = is_whole && made.report.bytes_out >= made.report.bytes_in;
+        if let Some(folder) = self.folder() {
+            console.files.make_folder(folder)?;
+        }
+        let bytes = match is_kept {
+            true => files::read(input, Limits::default().bytes)?,
+            false => made.glb,
+        };
+        console.files.write(out, &bytes)?;
+        Ok(OptimizedFile {
+            input: files::shown(input),
+            out: files::shown(out),
+            is_kept,
+            warnings: open::warnings(opened.warnings()),
+            report: made.report,
+        })
+    }
+}
+
+/// Whether a file is a GLB, which has all of its data in itself.
+fn is_whole(opened: &CharacterFile, input: &Path) -> bool {
+    let is_glb = matches!(opened.format(), Format::Glb | Format::Vrm);
+    is_glb && !matches!(files::extension(input).as_str(), "gltf")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_are_pixels_or_lengths() {
+        assert_eq!(error("1px"), Ok(Given::Pixels(1.0)));
+        assert_eq!(error(" 2 m"), Ok(Given::Metres(2.0)));
+        assert_eq!(error("5cm"), Ok(Given::Metres(0.05)));
+        for bad in ["", "1", "px", "0px", "-1mm", "1in"] {
+            assert!(error(bad).is_err(), "{bad}");
+        }
+    }
+}

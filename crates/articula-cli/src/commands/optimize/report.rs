@@ -1,0 +1,107 @@
+//! What was saved, as text and JSON.
+
+use crate::table::{Table, counted, warnings};
+use articula::optimize::OptimizeReport;
+use serde::Serialize;
+
+/// One optimised file.
+#[derive(Debug, Serialize)]
+pub(super) struct OptimizedFile {
+    #[serde(rename = "in")]
+    pub(super) input: String,
+    pub(super) out: String,
+    /// Whether the source was written, since nothing could be saved.
+    #[serde(rename = "kept_as_it_is")]
+    pub(super) is_kept: bool,
+    #[serde(flatten)]
+    pub(super) report: OptimizeReport,
+    pub(super) warnings: Vec<String>,
+}
+
+/// Several files.
+#[derive(Debug, Serialize)]
+pub(super) struct Batch {
+    pub(super) files: Vec<OptimizedFile>,
+    /// Errors of files that could not be optimised.
+    pub(super) failed: Vec<String>,
+}
+
+impl OptimizedFile {
+    pub(super) fn text(&self) -> String {
+        let report = &self.report;
+        let mut text = format!("{}: {}\n", self.out, self.saved());
+        let mut parts = Table::new(&["bytes", "before", "after"]);
+        let kinds = [
+            ("document (JSON)", report.before.json, report.after.json),
+            ("keys", report.before.keys, report.after.keys),
+            ("geometry", report.before.geometry, report.after.geometry),
+            ("textures", report.before.textures, report.after.textures),
+            ("other", report.before.other, report.after.other),
+        ];
+        for (name, before, after) in kinds {
+            if before + after > 0 {
+                parts.row([name.to_owned(), before.to_string(), after.to_string()]);
+            }
+        }
+        text += &parts.text();
+        text += &format!(
+            "error in motion, measured on the file that was written: {:.3} mm of {:.3} mm allowed\n",
+            report.error_mm, report.bound_mm
+        );
+        if !report.clips.is_empty() {
+            let mut clips = Table::new(&["clip", "channels", "keys", "error mm"]);
+            for clip in &report.clips {
+                clips.row([
+                    clip.clip.clone(),
+                    format!("{}/{}", clip.channels_out, clip.channels_in),
+                    format!("{}/{}", clip.keys_out, clip.keys_in),
+                    format!("{:.3}", clip.error_mm),
+                ]);
+            }
+            text += &clips.text();
+        }
+        if report.keeps_arrays {
+            text += "warning: an extension that is not known may refer to arrays, which stay as they are\n";
+        }
+        text + &warnings(&self.warnings)
+    }
+
+    /// The bytes before and after.
+    fn saved(&self) -> String {
+        let (before, after) = (self.report.bytes_in, self.report.bytes_out);
+        if self.is_kept {
+            return format!("{before} bytes, kept as it is: nothing could be saved");
+        }
+        let percent = 100.0 * after as f64 / before.max(1) as f64;
+        format!("{before} -> {after} bytes ({percent:.1} %)")
+    }
+}
+
+impl Batch {
+    pub(super) fn text(&self) -> String {
+        let mut table = Table::new(&["file", "before", "after", "%", "error mm", "allowed"]);
+        let (mut before, mut after) = (0, 0);
+        for file in &self.files {
+            let report = &file.report;
+            let out = match file.is_kept {
+                true => report.bytes_in,
+                false => report.bytes_out,
+            };
+            (before, after) = (before + report.bytes_in, after + out);
+            table.row([
+                file.out.clone(),
+                report.bytes_in.to_string(),
+                out.to_string(),
+                format!("{:.1}", 100.0 * out as f64 / report.bytes_in.max(1) as f64),
+                format!("{:.3}", report.error_mm),
+                format!("{:.3}", report.bound_mm),
+            ]);
+        }
+        let files = counted(self.files.len(), "file", "files");
+        let mut text = format!("{files}: {before} -> {after} bytes\n{}", table.text());
+        for file in &self.files {
+            text += &warnings(&file.warnings);
+        }
+        text
+    }
+}

@@ -1,0 +1,63 @@
+//! `optimize`: what it prints and writes, and how three.js and the Khronos validator read it.
+
+use crate::judges::{ask, judges_are_here};
+use crate::program::{fault, folder, json, short};
+use std::path::Path;
+
+#[test]
+fn an_optimised_file_is_judged_by_others() {
+    let folder = folder("optimized");
+    let source = short().to_string_lossy().into_owned();
+    let report = json(
+        &folder,
+        &["optimize", &source, "small.glb", "--error", "1mm"],
+    );
+    let number = |name: &str| report[name].as_f64().unwrap();
+    assert!(number("bytes_out") < 0.5 * number("bytes_in"), "{report}");
+    assert!(number("error_mm") <= 1.0);
+    let small = folder.join("small.glb");
+    assert_eq!(
+        std::fs::metadata(&small).unwrap().len() as f64,
+        number("bytes_out")
+    );
+    if !judges_are_here() {
+        return;
+    }
+    let small = small.to_string_lossy().into_owned();
+    let (verdict, good) = ask("validate.mjs", std::slice::from_ref(&small));
+    assert!(good, "{verdict}");
+    let (answer, good) = ask("optimised.mjs", &[source, small, "1".into()]);
+    assert!(good, "{answer}");
+}
+
+#[test]
+fn several_files_go_into_a_folder_and_what_cannot_shrink_is_kept() {
+    let folder = folder("optimized-many");
+    let source = short().to_string_lossy().into_owned();
+    std::fs::copy(&source, folder.join("a.glb")).unwrap();
+    json(&folder, &["optimize", "a.glb", "b.glb", "--error", "5mm"]);
+    let report = json(
+        &folder,
+        &["optimize", "a.glb", "b.glb", "out/", "--error", "0.01mm"],
+    );
+    let files = report["files"].as_array().unwrap();
+    assert_eq!(files.len(), 2);
+    assert_eq!(files[0]["kept_as_it_is"], false);
+    // It was stored with a hundredth of that precision.
+    assert_eq!(files[1]["kept_as_it_is"], true, "{report}");
+    let bytes = |name: &str| std::fs::read(folder.join(Path::new(name))).unwrap();
+    assert_eq!(bytes("b.glb"), bytes("out/b.glb"));
+    assert!(bytes("out/a.glb").len() < bytes("a.glb").len());
+}
+
+#[test]
+fn wrong_uses_are_told() {
+    let folder = folder("optimized-wrong");
+    let source = short().to_string_lossy().into_owned();
+    let line = fault(&folder, 2, &["optimize", &source, "out.bvh"]);
+    assert!(line.contains("name the file .glb or .vrm"), "{line}");
+    let line = fault(&folder, 2, &["optimize", &source, &source, "out/"]);
+    assert!(line.contains("would both become"), "{line}");
+    let line = fault(&folder, 1, &["optimize", "none.glb", "out.glb"]);
+    assert!(line.contains("none.glb"), "{line}");
+}

@@ -1,0 +1,348 @@
+//! Arrays as elements of few digits, in front of the filter of a compressed view.
+
+use super::super::accessor::Accessor;
+use super::super::place::Place;
+use super::super::reader::Reader;
+use super::ArrayPrecision;
+use super::role::Role;
+use crate::error::ReadError;
+use crate::meshopt::encode::{exponential, octahedral, quaternions};
+use crate::meshopt::{Filter, Mode};
+use articula_core::source::{Channel, Interpolation, Property};
+
+/// Component types of glTF.
+const I8: u32 = 5120;
+const U8: u32 = 5121;
+const I16: u32 = 5122;
+const U16: u32 = 5123;
+const U32: u32 = 5125;
+const F32: u32 = 5126;
+
+/// Step of offsets of normals; normals themselves have 8 bits.
+const NORMAL_STEP: f32 = 1.0 / 256.0;
+const NORMAL_BITS: u32 = 8;
+
+/// An array in the form in which it is stored.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Elements {
+    pub(super) mode: Mode,
+    pub(super) filter: Filter,
+    /// Bytes of an element.
+    pub(super) stride: usize,
+    pub(super) count: usize,
+    pub(super) bytes: Vec<u8>,
+    pub(super) component: u32,
+    pub(super) normalized: bool,
+    /// Whether the format requires its bounds.
+    pub(super) is_bounded: bool,
+    /// Whether it may be compressed.
+    pub(super) is_compressible: bool,
+}
+
+impl Elements {
+    /// Floats as multiples of a step.
+    fn stepped(floats: &[f32], width: usize, step: f32) -> Self {
+        Self {
+            mode: Mode::Attributes,
+            filter: Filter::Exponential,
+            stride: 4 * width,
+            count: floats.len() / width,
+            bytes: exponential(floats, step),
+            component: F32,
+            normalized: false,
+            is_bounded: false,
+            is_compressible: true,
+        }
+    }
+
+    /// Bytes whose elements start at multiples of 4.
+    pub(super) fn padded(bytes: &[u8], size: usize, component: u32, normalized: bool) -> Self {
+        let stride = size.next_multiple_of(4);
+        let mut padded = Vec::with_capacity(bytes.len() / size * stride);
+        for element in bytes.chunks_exact(size) {
+            padded.extend_from_slice(element);
+            padded.resize(padded.len().next_multiple_of(4), 0);
+        }
+        Self {
+            mode: Mode::Attributes,
+            filter: Filter::None,
+            stride,
+            count: bytes.len() / size,
+            bytes: padded,
+            component,
+            normalized,
+            is_bounded: false,
+            is_compressible: true,
+        }
+    }
+
+    fn bounded(self) -> Self {
+        Self {
+            is_bounded: true,
+            ..self
+        }
+    }
+}
+
+/// Returns the array that an accessor at a place describes, as it is stored for a role.
+pub(super) fn elements<'a>(
+    reader: &mut Reader<'a>,
+    place: Place<'a>,
+    role: Role,
+    precision: &ArrayPrecision,
+) -> Result<Elements, ReadError> {
+    let accessor = reader.accessor_at(place)?;
+    let width = accessor.width();
+    let is_float = accessor.is_float();
+    if matches!(role, Role::Triangles | Role::Indices) {
+        return corners(reader, &accessor, role);
+    }
+    if role == Role::Joints && accessor.count > 0 && !is_float {
+        return joints(reader, &accessor);
+    }
+    // Integers were rounded by those who made them.
+    if !is_float || role == Role::Exact || accessor.count == 0 {
+        return exact(&accessor, role);
+    }
+    let floats = reader.floats(&accessor)?;
+    let made = match role {
+        Role::Positions(step) => Some(Elements::stepped(&floats, width, step).bounded()),
+        Role::NormalOffsets => Some(Elements::stepped(&floats, width, NORMAL_STEP)),
+        Role::Texcoords => Some(Elements::stepped(&floats, width, precision.texcoords)),
+        Role::Values(step) => Some(Elements::stepped(&floats, width, step)),
+        Role::Times => Some(key_times(&floats, precision.times_secs)),
+        Role::Normals if width == 3 => unit_vectors(&floats, 3),
+        Role::Tangents if width == 4 => unit_vectors(&floats, 4),
+        Role::Colors => Some(colors(&floats, width)),
+        Role::Rotations(step) if width == 4 => rotations(&floats, step),
+        _ => None,
+    };
+    made.map_or_else(|| exact(&accessor, role), Ok)
+}
+
+/// An array to the bit.
+fn exact(accessor: &Accessor<'_>, role: Role) -> Result<Elements, ReadError> {
+    let size = accessor.element_size();
+    let overlay = accessor.overlay()?;
+    let mut bytes = Vec::with_capacity(accessor.count * size);
+    for i in 0..accessor.count {
+        let stored = overlay.get(&i).copied().or_else(|| accessor.stored(i));
+        match stored {
+            Some(element) => bytes.extend_from_slice(element),
+            None => bytes.resize(bytes.len() + size, 0),
+        }
+    }
+    let is_bounded = matches!(role, Role::Positions(_) | Role::Times)
+        || accessor.place().has("min")
+        || accessor.place().has("max");
+    let whole = size.is_multiple_of(4);
+    if whole || role.is_of_vertices() {
+        let elements = Elements::padded(
+            &bytes,
+            size,
+            accessor.component_code(),
+            accessor.is_normalized(),
+        );
+        return Ok(Elements {
+            is_bounded,
+            is_compressible: elements.stride <= 256,
+            ..elements
+        });
+    }
+    // Arrays that are not of vertices have no space between their elements.
+    Ok(Elements {
+        mode: Mode::Attributes,
+        filter: Filter::None,
+        stride: size,
+        count: accessor.count,
+        bytes,
+        component: accessor.component_code(),
+        normalized: accessor.is_normalized(),
+        is_bounded,
+        is_compressible: false,
+    })
+}
+
+/// Indices, as 32-bit numbers for the encoder; stored in 16 bits where they fit.
+fn corners<'a>(
+    reader: &mut Reader<'a>,
+    accessor: &Accessor<'a>,
+    role: Role,
+) -> Result<Elements, ReadError> {
+    let corners = reader.integers(accessor)?;
+    // 65535 restarts a strip.
+    let is_short = corners.iter().all(|c| *c < 0xffff);
+    let is_list = role == Role::Triangles && corners.len().is_multiple_of(3);
+    Ok(Elements {
+        mode: if is_list {
+            Mode::Triangles
+        } else {
+            Mode::Indices
+        },
+        filter: Filter::None,
+        stride: if is_short { 2 } else { 4 },
+        count: corners.len(),
+        bytes: corners.iter().flat_map(|c| c.to_le_bytes()).collect(),
+        component: if is_short { U16 } else { U32 },
+        normalized: false,
+        is_bounded: false,
+        is_compressible: !corners.is_empty(),
+    })
+}
+
+/// Joints of influences, in bytes where they fit.
+fn joints<'a>(reader: &mut Reader<'a>, accessor: &Accessor<'a>) -> Result<Elements, ReadError> {
+    let joints = reader.integers(accessor)?;
+    if joints.iter().any(|joint| *joint > 255) {
+        return exact(accessor, Role::Joints);
+    }
+    let bytes: Vec<u8> = joints.iter().map(|joint| *joint as u8).collect();
+    Ok(Elements::padded(&bytes, accessor.width(), U8, false))
+}
+
+/// Step of times of keys that is at most `step` and a 32nd of the shortest time between two keys: two keys
+/// that are close together make a jump, whose moment shows.
+pub fn key_time_step(secs: &[f32], step: f32) -> f32 {
+    let intervals = secs.windows(2).map(|pair| pair[1] - pair[0]);
+    let shortest = intervals.filter(|s| *s > 0.0).fold(f32::INFINITY, f32::min);
+    step.min(shortest / 32.0)
+}
+
+/// Times of keys, with a step at which none of them become equal.
+pub(super) fn key_times(secs: &[f32], step: f32) -> Elements {
+    let mut step = key_time_step(secs, step);
+    let is_rising = |bytes: &[u8]| {
+        let mut before = i64::MIN;
+        bytes.as_chunks::<4>().0.iter().all(|b| {
+            let mantissa = (i32::from_le_bytes(*b) << 8) >> 8;
+            let rises = i64::from(mantissa) > before;
+            before = i64::from(mantissa);
+            rises
+        })
+    };
+    let mut elements = Elements::stepped(secs, 1, step);
+    while !is_rising(&elements.bytes) {
+        let finer = Elements::stepped(secs, 1, 0.5 * step);
+        if finer.bytes == elements.bytes || step < 1e-7 {
+            let bytes: Vec<u8> = secs.iter().flat_map(|t| t.to_le_bytes()).collect();
+            return Elements::padded(&bytes, 4, F32, false).bounded();
+        }
+        (step, elements) = (0.5 * step, finer);
+    }
+    elements.bounded()
+}
+
+/// Values of the keys of a channel with a step.
+pub(super) fn key_values(channel: &Channel, step: f32) -> Elements {
+    let values = &channel.values;
+    let width = match channel.property {
+        Property::Rotation => 4,
+        Property::Weights => 1,
+        _ => 3,
+    };
+    let made = match (channel.interpolation, channel.property) {
+        (Interpolation::CubicSpline, _) => None,
+        (_, Property::Rotation) => rotations(values, step),
+        _ => Some(Elements::stepped(values, width, step)),
+    };
+    made.unwrap_or_else(|| {
+        let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+        Elements::padded(&bytes, 4 * width, F32, false)
+    })
+}
+
+/// Vectors of length 1, and a sign for those of four numbers. `None` if one has no length.
+fn unit_vectors(floats: &[f32], width: usize) -> Option<Elements> {
+    let vectors: Vec<[f32; 4]> = floats
+        .chunks_exact(width)
+        .map(|v| {
+            let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+            let sign = v.get(3).copied().unwrap_or(0.0);
+            (length > 1e-6).then(|| [v[0] / length, v[1] / length, v[2] / length, sign])
+        })
+        .collect::<Option<_>>()?;
+    Some(Elements {
+        mode: Mode::Attributes,
+        filter: Filter::Octahedral,
+        stride: 4,
+        count: vectors.len(),
+        bytes: octahedral(&vectors, NORMAL_BITS)?,
+        component: I8,
+        normalized: true,
+        is_bounded: false,
+        is_compressible: true,
+    })
+}
+
+fn colors(floats: &[f32], width: usize) -> Elements {
+    let byte = |x: &f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let bytes: Vec<u8> = floats.iter().map(byte).collect();
+    Elements::padded(&bytes, width, U8, true)
+}
+
+/// Rotations with as many bits as keep them within a step. `None` if one has no length.
+fn rotations(floats: &[f32], step: f32) -> Option<Elements> {
+    let turns: Vec<[f32; 4]> = floats
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|q| {
+            let length = q.iter().map(|x| x * x).sum::<f32>().sqrt();
+            (length > 1e-6).then(|| q.map(|x| x / length))
+        })
+        .collect::<Option<_>>()?;
+    Some(Elements {
+        mode: Mode::Attributes,
+        filter: Filter::Quaternion,
+        stride: 8,
+        count: turns.len(),
+        bytes: quaternions(&turns, rotation_bits(step))?,
+        component: I16,
+        normalized: true,
+        is_bounded: false,
+        is_compressible: true,
+    })
+}
+
+/// Bits of the quaternion filter whose rounding turns by at most `step` radians.
+///
+/// Each of three components is within half of its unit, 1/sqrt(2) over 2^(bits-1) - 1, and a turn is
+/// twice as long as the error of its quaternion, which the fourth component lengthens by no more than
+/// the square root of two: sqrt(3) sqrt(2) / sqrt(2) units.
+pub(super) fn rotation_bits(step: f32) -> u32 {
+    let units = 3.0f32.sqrt() / step.max(1e-6);
+    let bits = (units + 1.0).log2().ceil() as i32 + 1;
+    bits.clamp(4, 16) as u32
+}
+
+/// Units of a component of a rotation as it is stored with a step in radians, over 1/sqrt(2).
+pub fn rotation_units(step: f32) -> f32 {
+    ((1u32 << (rotation_bits(step) - 1)) - 1) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_that_would_fall_together_get_a_finer_step() {
+        let secs = [0.0, 0.001, 0.0012, 1.0];
+        let elements = key_times(&secs, 0.01);
+        assert_eq!(elements.filter, Filter::Exponential);
+        let mantissas = elements.bytes.as_chunks::<4>().0.iter();
+        let all: Vec<i32> = mantissas
+            .map(|b| (i32::from_le_bytes(*b) << 8) >> 8)
+            .collect();
+        assert!(all.is_sorted_by(|a, b| a < b), "{all:?}");
+        // Two times that are equal stay so, to the bit.
+        assert_eq!(key_times(&[0.0, 0.5, 0.5], 0.01).filter, Filter::None);
+    }
+
+    #[test]
+    fn finer_steps_take_more_bits() {
+        assert_eq!(rotation_bits(1.0), 4);
+        assert_eq!(rotation_bits(0.0), 16);
+        let bits: Vec<u32> = [0.1, 0.01, 0.001].map(rotation_bits).into();
+        assert_eq!(bits, [6, 9, 12]);
+    }
+}

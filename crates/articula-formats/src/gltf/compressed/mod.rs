@@ -1,0 +1,92 @@
+//! Writing of a document whose arrays are rounded and compressed.
+//!
+//! - `role`: what each array is used for
+//! - `element`: arrays as elements of few digits, in front of a filter
+//! - `clip_size`: size of a clip without writing it
+//! - `weights`: weights of influences that still sum to 1
+//! - `streams`: arrays of one layout as one compressed view
+//!
+//! Source: EXT_meshopt_compression, KHR_meshopt_compression, KHR_mesh_quantization.
+
+mod clip_size;
+mod element;
+mod role;
+mod streams;
+mod weights;
+
+pub use clip_size::compressed_clip_bytes;
+pub use element::{key_time_step, rotation_units};
+
+use super::document::Document;
+use super::prune::has_unknown_extension;
+use crate::written::WriteError;
+
+/// Extension that holds compressed arrays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Compression {
+    /// EXT_meshopt_compression, which viewers and engines read.
+    #[default]
+    Ext,
+    /// KHR_meshopt_compression: fewer bytes, and a release candidate.
+    Khr,
+    /// Arrays are rounded and not compressed.
+    None,
+}
+
+/// Precision of the arrays of a compressed document. What has none is kept to the bit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArrayPrecision {
+    /// For each mesh of the document, the step of positions and of their offsets by morph targets, in
+    /// its units.
+    pub positions: Vec<f32>,
+    /// For each animation, the step of the values of each of its samplers: in radians for rotations,
+    /// else in the unit of the values. Splines, and samplers without a step, keep theirs.
+    pub samplers: Vec<Vec<Option<f32>>>,
+    /// Step of texture coordinates, which are 1 over the width of a texture.
+    pub texcoords: f32,
+    /// Step of the times of keys, in seconds. Times that would become equal keep a finer one.
+    pub times_secs: f32,
+    /// Storage of the weights of influences.
+    pub weights: WeightPrecision,
+}
+
+/// Storage of the weights of influences. The weights of each vertex sum to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WeightPrecision {
+    /// 8 bits.
+    #[default]
+    Byte,
+    /// 16 bits.
+    Short,
+    /// As they are.
+    Exact,
+}
+
+impl Document {
+    /// Whether [`write_compressed`](Self::write_compressed) compresses: not where an unknown extension
+    /// may refer to arrays by their place.
+    pub fn is_compressible(&self) -> bool {
+        !has_unknown_extension(&self.json)
+    }
+
+    /// Writes the document as one GLB, as [`write_glb`](Self::write_glb) does, with rounded and
+    /// compressed arrays.
+    ///
+    /// Values are within half of their step, components of rotations within one. Normals and tangents
+    /// have 8 bits; colours have 8 bits. Sparse arrays become dense. Arrays that are integers already, and
+    /// pictures, are kept to the bit. A document that is not [compressible](Self::is_compressible) is
+    /// written as it is.
+    ///
+    /// # Errors
+    /// Those of `write_glb`; [`WriteError::Mismatch`] if an array cannot be read.
+    pub fn write_compressed(
+        &self,
+        compression: Compression,
+        precision: &ArrayPrecision,
+    ) -> Result<Vec<u8>, WriteError> {
+        if !self.is_compressible() {
+            return self.write_glb();
+        }
+        streams::write(self, compression, precision)
+    }
+}

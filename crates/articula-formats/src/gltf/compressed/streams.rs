@@ -1,0 +1,431 @@
+//! Arrays of one layout as one compressed view.
+
+use super::super::append::{entries_mut, exact, index, object, push, set};
+use super::super::document::Document;
+use super::super::prune::{each_accessor_reference, each_view_reference};
+use super::super::reader::{Notes, Reader};
+use super::super::write::glb;
+use super::element::{Elements, elements};
+use super::role::{Role, roles};
+use super::weights::weights;
+use super::{ArrayPrecision, Compression};
+use crate::error::ReadError;
+use crate::limits::Limits;
+use crate::meshopt::encode::{Bitstream, encode};
+use crate::meshopt::{Filter, Mode, ViewLayout, decode};
+use crate::written::WriteError;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// What arrays of one stream have in common. Indices have a stream of their own each, since those of
+/// triangles are stored relative to the ones before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Kind {
+    /// 0 for attributes, else 1 and the accessor.
+    of_indices: usize,
+    is_of_vertices: bool,
+    is_compressed: bool,
+    filter: u8,
+    component: u32,
+    stride: usize,
+}
+
+/// An array and the accessor that describes it.
+struct Array {
+    accessor: usize,
+    role: Role,
+    elements: Elements,
+}
+
+/// Writes a document with rounded and compressed arrays.
+pub(super) fn write(
+    document: &Document,
+    compression: Compression,
+    precision: &ArrayPrecision,
+) -> Result<Vec<u8>, WriteError> {
+    let mut document = document.clone();
+    document.drop_unnamed((0..document.count("accessors")).collect());
+    let (json, binary) = document.packed()?;
+    let mut document = Document {
+        json,
+        buffers: vec![binary],
+        pictures: Vec::new(),
+    };
+    let mut arrays = arrays(&mut document, precision).map_err(|error| {
+        let what = "an array cannot be read";
+        WriteError::mismatch("accessors", format!("{what}: {error}"))
+    })?;
+    share_equal(&mut document, &mut arrays);
+    share_samplers(&mut document.json);
+    let mut out = Output::new(&mut document, compression, &arrays);
+    let mut streams: BTreeMap<Kind, Vec<&Array>> = BTreeMap::new();
+    for array in &arrays {
+        streams
+            .entry(array.kind(compression))
+            .or_default()
+            .push(array);
+    }
+    for (kind, arrays) in streams {
+        out.put(kind, &arrays)?;
+    }
+    out.finish()
+}
+
+/// All arrays that the document refers to, as they are stored, in the order of their first use.
+fn arrays(document: &mut Document, precision: &ArrayPrecision) -> Result<Vec<Array>, ReadError> {
+    let roles = roles(&mut document.json, precision);
+    let mut order = Vec::new();
+    let mut seen = BTreeSet::new();
+    each_accessor_reference(&mut document.json, &mut |i| {
+        if seen.insert(i) {
+            order.push(i);
+        }
+        i
+    });
+    let limits = Limits::default();
+    let mut reader = Reader::new(document, &limits, Notes::default());
+    let mut of_influences = weights(&mut reader, precision.weights)?;
+    let mut out = Vec::with_capacity(order.len());
+    for accessor in order {
+        let role = roles.get(&accessor).copied().unwrap_or(Role::Exact);
+        let own = reader.root.entry("accessors", accessor);
+        let rounded = of_influences
+            .remove(&accessor)
+            .filter(|_| role == Role::Weights);
+        let elements = match (rounded, own) {
+            (Some(rounded), _) => rounded,
+            (None, Some(own)) => elements(&mut reader, own, role, precision)?,
+            (None, None) => continue,
+        };
+        out.push(Array {
+            accessor,
+            role,
+            elements,
+        });
+    }
+    Ok(out)
+}
+
+/// Lets references to arrays that rounding made equal name the first of them.
+fn share_equal(document: &mut Document, arrays: &mut Vec<Array>) {
+    let mut first = HashMap::new();
+    let mut same = BTreeMap::new();
+    let mut copies = BTreeSet::new();
+    for array in arrays.iter() {
+        let elements = &array.elements;
+        let is_of_indices = elements.mode != Mode::Attributes;
+        let form = (
+            (
+                array.role.is_of_vertices(),
+                is_of_indices,
+                elements.filter as u8,
+            ),
+            (elements.component, elements.normalized, elements.stride),
+            document.element_type(array.accessor),
+            elements.bytes.as_slice(),
+        );
+        let known = *first.entry(form).or_insert(array.accessor);
+        same.insert(array.accessor, known);
+        if known != array.accessor {
+            copies.insert(array.accessor);
+        }
+    }
+    each_accessor_reference(&mut document.json, &mut |i| {
+        same.get(&i).copied().unwrap_or(i)
+    });
+    arrays.retain(|array| !copies.contains(&array.accessor));
+    let new = document.drop_copies(copies);
+    for array in arrays {
+        array.accessor = new(array.accessor);
+    }
+}
+
+/// Lets channels of one animation share samplers that are equal.
+fn share_samplers(json: &mut Value) {
+    for animation in entries_mut(json, "animations") {
+        let samplers = animation.get("samplers").and_then(Value::as_array);
+        let mut kept: Vec<Value> = Vec::new();
+        let mut first: HashMap<String, usize> = HashMap::new();
+        let mut new_index = Vec::new();
+        for sampler in samplers.into_iter().flatten() {
+            let index = *first.entry(sampler.to_string()).or_insert_with(|| {
+                kept.push(sampler.clone());
+                kept.len() - 1
+            });
+            new_index.push(index);
+        }
+        if kept.len() == new_index.len() {
+            continue;
+        }
+        set(animation, "samplers", kept);
+        for channel in entries_mut(animation, "channels") {
+            let new = index(channel, "sampler").and_then(|s| new_index.get(s));
+            new.into_iter()
+                .for_each(|new| set(channel, "sampler", *new));
+        }
+    }
+}
+
+impl Array {
+    fn kind(&self, compression: Compression) -> Kind {
+        let elements = &self.elements;
+        let is_compressed = elements.is_compressible && compression != Compression::None;
+        let is_of_indices = elements.mode != Mode::Attributes;
+        Kind {
+            of_indices: if is_of_indices && is_compressed {
+                1 + self.accessor
+            } else {
+                usize::from(is_of_indices)
+            },
+            is_of_vertices: self.role.is_of_vertices(),
+            is_compressed,
+            filter: elements.filter as u8,
+            component: elements.component,
+            stride: elements.stride,
+        }
+    }
+}
+
+/// The document that is being written, and its one buffer.
+struct Output<'a> {
+    json: &'a mut Value,
+    binary: Vec<u8>,
+    compression: Compression,
+    /// Length of the views when they are decoded.
+    decoded: usize,
+    /// Whether vertices have integers that the format itself does not allow.
+    is_quantized: bool,
+}
+
+impl<'a> Output<'a> {
+    /// Keeps the views that no accessor uses, such as pictures.
+    fn new(document: &'a mut Document, compression: Compression, arrays: &[Array]) -> Self {
+        let source = std::mem::take(&mut document.buffers[0]);
+        let json = &mut document.json;
+        for array in arrays {
+            let accessor = &mut entries_mut(json, "accessors")[array.accessor];
+            for member in ["bufferView", "byteOffset", "sparse"] {
+                object(accessor).shift_remove(member);
+            }
+        }
+        let mut used = BTreeSet::new();
+        each_view_reference(json, &mut |view| {
+            used.insert(view);
+            view
+        });
+        let old = object(json).shift_remove("bufferViews");
+        let old = old.as_ref().and_then(Value::as_array);
+        let mut binary = Vec::new();
+        let mut new_index = BTreeMap::new();
+        for (i, view) in old.into_iter().flatten().enumerate() {
+            let number = |key: &str| view.get(key).and_then(Value::as_u64).unwrap_or(0) as usize;
+            let (start, length) = (number("byteOffset"), number("byteLength"));
+            let bytes = start
+                .checked_add(length)
+                .and_then(|end| source.get(start..end));
+            let Some(bytes) = bytes.filter(|_| used.contains(&i)) else {
+                continue;
+            };
+            binary.resize(binary.len().next_multiple_of(4), 0);
+            let mut view = view.clone();
+            set(&mut view, "buffer", 0);
+            set(&mut view, "byteOffset", binary.len());
+            binary.extend_from_slice(bytes);
+            new_index.insert(i, push(json, "bufferViews", view));
+        }
+        each_view_reference(json, &mut |view| {
+            new_index.get(&view).copied().unwrap_or(view)
+        });
+        Self {
+            json,
+            binary,
+            compression,
+            decoded: 0,
+            is_quantized: arrays.iter().any(|array| {
+                let is_integer = array.elements.component != 5126;
+                is_integer && matches!(array.role, Role::Normals | Role::Tangents)
+            }),
+        }
+    }
+
+    fn put(&mut self, kind: Kind, arrays: &[&Array]) -> Result<(), WriteError> {
+        let mut bytes = Vec::new();
+        let mut count = 0;
+        let mut starts = Vec::with_capacity(arrays.len());
+        for array in arrays {
+            starts.push(count * kind.stride);
+            bytes.extend_from_slice(&array.elements.bytes);
+            count += array.elements.count;
+        }
+        let Some(first) = arrays.first().map(|array| &array.elements) else {
+            return Ok(());
+        };
+        let layout = ViewLayout {
+            mode: first.mode,
+            filter: first.filter,
+            count: count as u64,
+            stride: kind.stride as u64,
+        };
+        let (stored, decoded) = self.stored(&bytes, &layout, kind.is_compressed)?;
+        let view = self.view(kind, &layout, &stored, decoded.len());
+        for (array, start) in arrays.iter().zip(starts) {
+            let elements = &array.elements;
+            let length = elements.count * kind.stride;
+            self.describe(array, view, start, &decoded[start..start + length]);
+        }
+        Ok(())
+    }
+
+    /// The bytes of a view, and what a reader has of them.
+    fn stored(
+        &self,
+        bytes: &[u8],
+        layout: &ViewLayout,
+        is_compressed: bool,
+    ) -> Result<(Vec<u8>, Vec<u8>), WriteError> {
+        let wrong = || WriteError::mismatch("bufferViews", "a view cannot be encoded");
+        let is_plain = layout.filter == Filter::None && layout.mode == Mode::Attributes;
+        if !is_compressed && is_plain {
+            return Ok((bytes.to_vec(), bytes.to_vec()));
+        }
+        let version = match self.compression {
+            Compression::Khr => Bitstream::V1,
+            Compression::Ext | Compression::None => Bitstream::V0,
+        };
+        if !is_compressed && layout.mode != Mode::Attributes {
+            let corners = bytes.as_chunks::<4>().0.iter();
+            let stride = layout.stride as usize;
+            let decoded: Vec<u8> = corners.flat_map(|c| c[..stride].to_vec()).collect();
+            return Ok((decoded.clone(), decoded));
+        }
+        let encoded = encode(bytes, layout, version).ok_or_else(wrong)?;
+        let decoded = decode(&encoded, layout, &Limits::default()).map_err(|_| wrong())?;
+        match is_compressed {
+            true => Ok((encoded, decoded)),
+            false => Ok((decoded.clone(), decoded)),
+        }
+    }
+
+    fn view(&mut self, kind: Kind, layout: &ViewLayout, stored: &[u8], decoded: usize) -> usize {
+        self.binary.resize(self.binary.len().next_multiple_of(4), 0);
+        let start = self.binary.len();
+        self.binary.extend_from_slice(stored);
+        let mut view = json!({
+            "buffer": 0,
+            "byteOffset": start,
+            "byteLength": stored.len(),
+        });
+        if kind.is_of_vertices {
+            set(&mut view, "byteStride", kind.stride);
+            set(&mut view, "target", 34962);
+        } else if kind.of_indices > 0 {
+            set(&mut view, "target", 34963);
+        }
+        if kind.is_compressed {
+            let mut extension = json!({
+                "buffer": 0,
+                "byteOffset": start,
+                "byteLength": stored.len(),
+                "byteStride": layout.stride,
+                "count": layout.count,
+                "mode": mode(layout.mode),
+            });
+            if layout.filter != Filter::None {
+                set(&mut extension, "filter", filter(layout.filter));
+            }
+            self.decoded = self.decoded.next_multiple_of(4);
+            set(&mut view, "buffer", 1);
+            set(&mut view, "byteOffset", self.decoded);
+            set(&mut view, "byteLength", decoded);
+            set(&mut view, "extensions", json!({ self.name(): extension }));
+            self.decoded += decoded;
+        }
+        push(self.json, "bufferViews", view)
+    }
+
+    /// Describes an array whose bytes were stored.
+    fn describe(&mut self, array: &Array, view: usize, start: usize, decoded: &[u8]) {
+        let elements = &array.elements;
+        let Some(accessor) = entries_mut(self.json, "accessors").get_mut(array.accessor) else {
+            return;
+        };
+        set(accessor, "bufferView", view);
+        if start > 0 {
+            set(accessor, "byteOffset", start);
+        }
+        set(accessor, "componentType", elements.component);
+        object(accessor).shift_remove("normalized");
+        if elements.normalized {
+            set(accessor, "normalized", true);
+        }
+        for bound in ["min", "max"] {
+            object(accessor).shift_remove(bound);
+        }
+        // The format wants the bounds of the numbers as they are stored.
+        if elements.is_bounded && elements.component == 5126 {
+            let width = elements.stride / 4;
+            let floats = decoded.as_chunks::<4>().0.iter();
+            let floats: Vec<f32> = floats.map(|b| f32::from_le_bytes(*b)).collect();
+            let bound = |start: f32, pick: fn(f32, f32) -> f32| -> Vec<f32> {
+                let of = |c| floats.iter().skip(c).step_by(width).copied();
+                (0..width).map(|c| of(c).fold(start, pick)).collect()
+            };
+            set(accessor, "min", exact(&bound(f32::INFINITY, f32::min)));
+            set(accessor, "max", exact(&bound(f32::NEG_INFINITY, f32::max)));
+        }
+    }
+
+    fn name(&self) -> &'static str {
+        match self.compression {
+            Compression::Khr => "KHR_meshopt_compression",
+            Compression::Ext | Compression::None => "EXT_meshopt_compression",
+        }
+    }
+
+    fn finish(self) -> Result<Vec<u8>, WriteError> {
+        let name = self.name();
+        let mut document = Document {
+            json: std::mem::take(self.json),
+            buffers: Vec::new(),
+            pictures: Vec::new(),
+        };
+        let mut buffers = json!([{ "byteLength": self.binary.len() }]);
+        if self.decoded > 0 {
+            let placeholder = json!({
+                "byteLength": self.decoded,
+                "extensions": { name: { "fallback": true } },
+            });
+            buffers = json!([buffers[0], placeholder]);
+            document.use_extension(name);
+            document.require_extension(name);
+        }
+        if self.is_quantized {
+            document.use_extension("KHR_mesh_quantization");
+            document.require_extension("KHR_mesh_quantization");
+        }
+        if self.binary.is_empty() {
+            object(&mut document.json).shift_remove("buffers");
+        } else {
+            set(&mut document.json, "buffers", buffers);
+        }
+        glb(&document.json, &self.binary)
+    }
+}
+
+fn mode(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Attributes => "ATTRIBUTES",
+        Mode::Triangles => "TRIANGLES",
+        Mode::Indices => "INDICES",
+    }
+}
+
+fn filter(filter: Filter) -> &'static str {
+    match filter {
+        Filter::None => "NONE",
+        Filter::Octahedral => "OCTAHEDRAL",
+        Filter::Quaternion => "QUATERNION",
+        Filter::Exponential => "EXPONENTIAL",
+        Filter::Color => "COLOR",
+    }
+}

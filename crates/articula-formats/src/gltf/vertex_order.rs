@@ -1,0 +1,298 @@
+//! Order of triangles and vertices that caches and compression like, and equal vertices once.
+//!
+//! Source: the vertex cache order of meshoptimizer, by the crate `meshoptimizer-rs`; vertices then
+//! stand in the order of their first use.
+
+use super::append::{Use, entries_mut, set};
+use super::arrays::{Reordered, reordered};
+use super::document::Document;
+use super::origin::vertex_arrays;
+use super::place::Place;
+use super::primitive;
+use super::reader::{Notes, Reader};
+use crate::error::ReadError;
+use crate::limits::Limits;
+use meshoptimizer_rs::{Workspace, optimize_vertex_cache};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// The one extension of primitives that does not depend on their vertices.
+const VARIANTS: &str = "KHR_materials_variants";
+
+/// A primitive by its mesh and its index there.
+type PrimitiveIndex = (usize, usize);
+
+/// Primitives that share all their vertex arrays.
+struct Shared {
+    primitives: Vec<PrimitiveIndex>,
+    /// Triangles of each, in their new order, of old vertices.
+    triangles: Vec<Vec<u32>>,
+    /// New vertex of each old one that is used.
+    new_of_old: Vec<u32>,
+    /// Arrays of the attributes, and of those of each morph target, by name.
+    attributes: Vec<(String, Reordered)>,
+    targets: Vec<Vec<(String, Reordered)>>,
+}
+
+impl Document {
+    /// Puts the triangles of each primitive into an order that caches like and its vertices into the
+    /// order of their first use, and stores vertices that are equal in every byte once; vertices
+    /// without a triangle are dropped. Only lists of triangles without extensions are changed.
+    ///
+    /// # Errors
+    /// A [`ReadError`] if the document is malformed; it is then unchanged.
+    pub fn optimise_vertex_order(&mut self) -> Result<(), ReadError> {
+        let before = self.mesh_accessors();
+        for shared in self.new_orders()? {
+            self.put_order(shared);
+        }
+        self.drop_unnamed(before);
+        Ok(())
+    }
+
+    fn new_orders(&self) -> Result<Vec<Shared>, ReadError> {
+        let limits = Limits::default();
+        let mut reader = Reader::new(self, &limits, Notes::default());
+        let mut groups: BTreeMap<String, Vec<PrimitiveIndex>> = BTreeMap::new();
+        // Arrays that primitives of several groups use stay as they are.
+        let mut users: BTreeMap<usize, BTreeSet<String>> = BTreeMap::new();
+        for (m, mesh) in reader.root.entries("meshes")?.iter().enumerate() {
+            for (p, primitive) in mesh.entries("primitives")?.iter().enumerate() {
+                let key = arrays_of(primitive.value());
+                for place in vertex_arrays(primitive)? {
+                    let accessor = place.whole()? as usize;
+                    users.entry(accessor).or_default().insert(key.clone());
+                }
+                groups.entry(key).or_default().push((m, p));
+            }
+        }
+        let mut out = Vec::new();
+        for (key, primitives) in groups {
+            let is_own = users
+                .values()
+                .filter(|keys| keys.contains(&key))
+                .all(|keys| keys.len() == 1);
+            if is_own {
+                out.extend(shared(&mut reader, primitives)?);
+            }
+        }
+        Ok(out)
+    }
+
+    fn put_order(&mut self, shared: Shared) {
+        let mut store = |arrays: Vec<(String, Reordered)>| -> Value {
+            let named = arrays
+                .into_iter()
+                .map(|(name, array)| (name, json!(self.add_reordered(array))));
+            Value::Object(named.collect())
+        };
+        let attributes = store(shared.attributes);
+        let targets: Vec<Value> = shared.targets.into_iter().map(&mut store).collect();
+        for ((m, p), triangles) in shared.primitives.into_iter().zip(shared.triangles) {
+            let corners = triangles.iter().map(|v| shared.new_of_old[*v as usize]);
+            let bytes: Vec<u8> = corners.flat_map(u32::to_le_bytes).collect();
+            let view = self.add_view(&bytes, Use::Indices);
+            let indices = self.add_accessor(json!({
+                "bufferView": view,
+                "componentType": 5125,
+                "count": triangles.len(),
+                "type": "SCALAR",
+            }));
+            let mesh = &mut entries_mut(&mut self.json, "meshes")[m];
+            let primitive = &mut entries_mut(mesh, "primitives")[p];
+            set(primitive, "attributes", attributes.clone());
+            set(primitive, "indices", indices);
+            if !targets.is_empty() {
+                set(primitive, "targets", targets.clone());
+            }
+        }
+    }
+}
+
+/// The vertex arrays of a primitive, as text.
+fn arrays_of(primitive: &Value) -> String {
+    json!([primitive.get("attributes"), primitive.get("targets")]).to_string()
+}
+
+/// The new order of primitives that share their vertex arrays; `None` if one of them is not a list of
+/// triangles or has an extension that may depend on it.
+fn shared(
+    reader: &mut Reader<'_>,
+    primitives: Vec<PrimitiveIndex>,
+) -> Result<Option<Shared>, ReadError> {
+    let mut places = Vec::with_capacity(primitives.len());
+    for (m, p) in &primitives {
+        let mesh = reader.root.entry("meshes", *m);
+        places.extend(mesh.and_then(|mesh| mesh.entry("primitives", *p)));
+    }
+    let is_plain = |place: &Place<'_>| {
+        let extensions = place.get("extensions").map(|e| e.members());
+        let mut extensions = extensions.unwrap_or_default().into_iter();
+        extensions.all(|(name, _)| name == VARIANTS) && place.whole_or("mode", 4).ok() == Some(4)
+    };
+    if places.len() != primitives.len() || !places.iter().all(is_plain) {
+        return Ok(None);
+    }
+    let mut outlines = Vec::with_capacity(places.len());
+    for place in &places {
+        let Some((count, triangles)) = primitive::outline(reader, place)? else {
+            return Ok(None);
+        };
+        outlines.push((count, triangles));
+    }
+    let Some(count) = outlines.first().map(|(count, _)| *count) else {
+        return Ok(None);
+    };
+    let classes = equal_vertices(reader, &places[0], count)?;
+    let mut workspace = Workspace::default();
+    let mut triangles = Vec::with_capacity(outlines.len());
+    for (_, of_primitive) in &outlines {
+        let corners = of_primitive.as_flattened().iter();
+        let corners: Vec<u32> = corners.map(|v| classes[*v as usize]).collect();
+        match optimize_vertex_cache(&corners, count, &mut workspace) {
+            Ok(ordered) => triangles.push(ordered),
+            Err(_) => return Ok(None),
+        }
+    }
+    let mut old_of_new = Vec::new();
+    let mut new_of_old = vec![u32::MAX; count];
+    for corner in triangles.iter().flatten() {
+        let new = &mut new_of_old[*corner as usize];
+        if *new == u32::MAX {
+            *new = old_of_new.len() as u32;
+            old_of_new.push(*corner);
+        }
+    }
+    let mut attributes = Vec::new();
+    let mut targets = Vec::new();
+    if let Some(list) = places[0].get("attributes") {
+        attributes = named(reader, &list, &old_of_new)?;
+    }
+    for target in places[0].entries("targets")? {
+        targets.push(named(reader, &target, &old_of_new)?);
+    }
+    Ok(Some(Shared {
+        primitives,
+        triangles,
+        new_of_old,
+        attributes,
+        targets,
+    }))
+}
+
+fn named<'a>(
+    reader: &mut Reader<'a>,
+    list: &Place<'a>,
+    order: &[u32],
+) -> Result<Vec<(String, Reordered)>, ReadError> {
+    let mut out = Vec::new();
+    for (name, index) in list.members() {
+        out.push((name.to_owned(), reordered(reader, &index, order)?));
+    }
+    Ok(out)
+}
+
+/// For each vertex the first one that is equal to it in every byte.
+fn equal_vertices(
+    reader: &mut Reader<'_>,
+    primitive: &Place<'_>,
+    count: usize,
+) -> Result<Vec<u32>, ReadError> {
+    let mut classes = vec![0u32; count];
+    for index in vertex_arrays(primitive)? {
+        let accessor = reader.accessor(&index)?;
+        accessor.expect_count(count, "vertices")?;
+        let overlay = accessor.overlay()?;
+        let mut first = HashMap::new();
+        for (v, class) in classes.iter_mut().enumerate() {
+            let bytes = overlay.get(&v).copied().or_else(|| accessor.stored(v));
+            *class = *first.entry((*class, bytes)).or_insert(v as u32);
+        }
+    }
+    Ok(classes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::source::{Character, Joint, Primitive, RawMesh, Skeleton, Skin};
+    use glam::{Affine3A, Vec3};
+
+    /// A strip of quads, each with four vertices of its own, in a shuffled order.
+    fn strip(quads: u32) -> Primitive {
+        let mut strip = Primitive {
+            influences: 1,
+            ..Primitive::default()
+        };
+        for q in (0..quads).map(|q| (q * 7) % quads) {
+            let first = strip.positions.len() as u32;
+            for (x, y) in [(q, 0), (q + 1, 0), (q + 1, 1), (q, 1)] {
+                strip.positions.push(Vec3::new(x as f32, y as f32, 0.0));
+                strip.normals.push(Vec3::Z);
+                strip.joints.push(0);
+                strip.weights.push(1.0);
+            }
+            strip.triangles.push([first, first + 1, first + 2]);
+            strip.triangles.push([first + 2, first + 3, first]);
+        }
+        // No triangle uses it.
+        strip.positions.push(Vec3::ONE);
+        strip.normals.push(Vec3::Z);
+        strip.joints.push(0);
+        strip.weights.push(1.0);
+        strip
+    }
+
+    fn corners(primitive: &Primitive) -> Vec<[[u32; 3]; 3]> {
+        let at = |v: u32| primitive.positions[v as usize].to_array().map(f32::to_bits);
+        let mut all: Vec<[[u32; 3]; 3]> = primitive
+            .triangles
+            .iter()
+            .map(|t| {
+                let least = (0..3).min_by_key(|i| at(t[*i])).unwrap();
+                [0, 1, 2].map(|i| at(t[(least + i) % 3]))
+            })
+            .collect();
+        all.sort_unstable();
+        all
+    }
+
+    #[test]
+    fn the_same_triangles_stand_on_fewer_vertices_in_the_order_of_their_use() {
+        let mesh = RawMesh {
+            name: "strip".into(),
+            skin: Skin {
+                joints: vec![0],
+                inverse_bind: vec![Affine3A::IDENTITY],
+            },
+            primitives: vec![strip(31)],
+            ..RawMesh::default()
+        };
+        let joint = Joint {
+            name: "root".into(),
+            parent: None,
+            rest: articula_core::Transform::IDENTITY,
+            in_skin: true,
+        };
+        let character = Character {
+            skeleton: Skeleton {
+                joints: vec![joint],
+            },
+            meshes: vec![mesh],
+            ..Character::default()
+        };
+        let mut document = Document::from_character(&character).unwrap();
+        document.optimise_vertex_order().unwrap();
+        let file = crate::gltf::read_document(document.clone(), &Limits::default()).unwrap();
+        let after = &file.value.character.meshes[0].primitives[0];
+        assert_eq!(after.positions.len(), 64);
+        assert_eq!(corners(after), corners(&character.meshes[0].primitives[0]));
+        let mut seen = 0;
+        for corner in after.triangles.as_flattened() {
+            assert!(*corner <= seen);
+            seen = seen.max(corner + 1);
+        }
+        // One joint carries it whole, so there are positions, normals and indices.
+        assert_eq!(document.count("accessors"), 3);
+    }
+}

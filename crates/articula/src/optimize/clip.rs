@@ -1,0 +1,150 @@
+//! Fewer keys and rounded values for one clip, at an error that is measured.
+
+use super::OptimizeOptions;
+use super::rounding::rounded;
+use super::source::Source;
+use crate::error::{Context, Result};
+use articula_build::clip_edit::{
+    EditSubject, ReduceOptions, Timelines, reduce_keys, value_tolerances,
+};
+use articula_build::greatest_vertex_error;
+use articula_core::Articulation;
+use articula_core::source::RawClip;
+use articula_formats::gltf::compressed_clip_bytes;
+
+/// Parts of the error for keys and for the rounding of each value. Errors of a chain of joints add up, in
+/// part; the sum is measured, and the parts are scaled until it is near the bound.
+const KEY_SHARE: f32 = 0.8;
+const VALUE_SHARE: f32 = 0.5;
+/// Number of scales that are tried, the share of the bound that each aims at, and what is near enough.
+const TRIES: usize = 6;
+const AIM: f32 = 0.96;
+const NEAR: f32 = 0.92;
+
+/// A clip with fewer keys, and the steps of its values.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct OptimizedClip {
+    pub(super) clip: RawClip,
+    /// The step of the values of each channel: radians for rotations, else their unit.
+    pub(super) steps: Vec<f32>,
+}
+
+/// The step of the times of keys in seconds: at 10 m/s it is a tenth of the bound.
+pub(super) fn time_step(bound: f32) -> f32 {
+    (0.02 * bound).clamp(1e-6, 1.0 / 4096.0)
+}
+
+/// The character whose clips are made smaller, and its mesh as it will be stored.
+pub(super) struct Subject<'a> {
+    source: &'a Source,
+    stored: &'a Source,
+    bound: f32,
+    subject: EditSubject<'a>,
+}
+
+impl<'a> Subject<'a> {
+    /// `bound` is that of the whole file, in metres.
+    pub(super) fn new(source: &'a Source, stored: &'a Source, bound: f32) -> Result<Self> {
+        let character = &source.character;
+        let joints = Articulation::unmapped(character.skeleton.joints.len());
+        Ok(Self {
+            source,
+            stored,
+            bound,
+            subject: EditSubject::new(character, joints, &[])?,
+        })
+    }
+
+    /// The clip with the fewest bytes that was found within a bound in metres.
+    pub(super) fn optimized(
+        &self,
+        index: usize,
+        bound: f32,
+        options: &OptimizeOptions,
+    ) -> Result<OptimizedClip> {
+        let clip = &self.source.character.clips[index];
+        let kinds = match options.reduce_keys {
+            true => &[Timelines::Shared, Timelines::Own][..],
+            false => &[Timelines::Own],
+        };
+        let mut least = self.unchanged(index);
+        let mut bytes = usize::MAX;
+        for timelines in kinds {
+            let found = self.within(clip, bound, *timelines, options);
+            let found = found.with_context(|| format!("clip \"{}\"", clip.name))?;
+            let step = time_step(self.bound);
+            let needs = |c: &OptimizedClip| {
+                compressed_clip_bytes(&c.clip, &c.steps, step, options.compression)
+            };
+            if let Some(found) = found.filter(|found| needs(found) < bytes) {
+                (bytes, least) = (needs(&found), found);
+            }
+        }
+        Ok(least)
+    }
+
+    /// The clip with all its keys, to the bit of 24-bit numbers.
+    pub(super) fn unchanged(&self, index: usize) -> OptimizedClip {
+        let clip = self.source.character.clips[index].clone();
+        OptimizedClip {
+            steps: vec![0.0; clip.channels.len()],
+            clip,
+        }
+    }
+
+    /// A clip whose error is within the bound and near it, if one was found.
+    fn within(
+        &self,
+        clip: &RawClip,
+        bound: f32,
+        timelines: Timelines,
+        options: &OptimizeOptions,
+    ) -> Result<Option<OptimizedClip>> {
+        let mut from = self.source.posed()?;
+        let mut to = self.stored.posed()?;
+        let (mut scale, mut over) = (1.0f32, f32::INFINITY);
+        let mut best: Option<(f32, OptimizedClip)> = None;
+        for _ in 0..TRIES {
+            let tried = self.tried(clip, scale * bound, timelines, options)?;
+            let shown = rounded(&tried.clip, &tried.steps, time_step(self.bound));
+            let wanted = (&mut from, Some(clip));
+            let error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
+            let ratio = (AIM * bound / error.max(1e-3 * bound)).clamp(0.25, 2.0);
+            if error > bound {
+                over = over.min(scale);
+            } else {
+                best = Some((scale, tried));
+                if error >= NEAR * bound {
+                    break;
+                }
+            }
+            scale = match &best {
+                None => scale * ratio,
+                Some((under, _)) if over.is_finite() => 0.5 * (under + over),
+                Some((under, _)) => under * ratio,
+            };
+        }
+        Ok(best.map(|(_, best)| best))
+    }
+
+    fn tried(
+        &self,
+        clip: &RawClip,
+        bound: f32,
+        timelines: Timelines,
+        options: &OptimizeOptions,
+    ) -> Result<OptimizedClip> {
+        let clip = if options.reduce_keys {
+            let reduce = ReduceOptions {
+                bound_metres: KEY_SHARE * bound,
+                drop_rest: true,
+                timelines,
+            };
+            reduce_keys(&self.subject, clip, &reduce)?.clip
+        } else {
+            clip.clone()
+        };
+        let steps = value_tolerances(&self.subject, &clip, VALUE_SHARE * bound)?;
+        Ok(OptimizedClip { clip, steps })
+    }
+}

@@ -1,0 +1,90 @@
+//! What was saved, and the errors.
+
+use super::Errors;
+use super::clip::OptimizedClip;
+use super::source::Source;
+use crate::open::CharacterFile;
+use articula_core::source::RawClip;
+use articula_formats::gltf::BytesByKind;
+use serde::Serialize;
+
+/// One clip before and after.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ClipOptimized {
+    /// Name of the clip.
+    pub clip: String,
+    /// Number of channels before.
+    pub channels_in: usize,
+    /// Number of channels after.
+    pub channels_out: usize,
+    /// Number of keys of all channels before.
+    pub keys_in: usize,
+    /// Number of keys of all channels after.
+    pub keys_out: usize,
+    /// Greatest error of a vertex over the clip, in millimetres.
+    pub error_mm: f32,
+}
+
+/// What was saved, and the errors measured on the written file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OptimizeReport {
+    /// Bytes of the source file without the files beside it; 0 for a character that a program made.
+    pub bytes_in: usize,
+    /// Bytes of the written file.
+    pub bytes_out: usize,
+    /// Bytes of the parts of the source, without compression.
+    pub before: BytesByKind,
+    /// Bytes of the parts of the written file.
+    pub after: BytesByKind,
+    /// The greatest error that was allowed, in millimetres.
+    pub bound_mm: f32,
+    /// Greatest error of a vertex at rest and over all clips, in millimetres.
+    pub error_mm: f32,
+    /// Greatest error of a vertex at rest, in millimetres.
+    pub rest_error_mm: f32,
+    /// The clips.
+    pub clips: Vec<ClipOptimized>,
+    /// Whether the arrays stayed as they were, since an unknown extension may refer to them.
+    pub keeps_arrays: bool,
+}
+
+impl OptimizeReport {
+    pub(super) fn new(
+        opened: &CharacterFile,
+        before: &BytesByKind,
+        source: &Source,
+        clips: &[&OptimizedClip],
+        errors: &Errors,
+        glb: &[u8],
+    ) -> Self {
+        let keys = |clip: &RawClip| clip.channels.iter().map(|c| c.times_secs.len()).sum();
+        let pairs = source.character.clips.iter().zip(clips).zip(&errors.clips);
+        Self {
+            bytes_in: opened.bytes(),
+            bytes_out: glb.len(),
+            before: *before,
+            after: BytesByKind::of_glb(glb),
+            bound_mm: 0.0,
+            error_mm: 1e3 * errors.greatest(),
+            rest_error_mm: 1e3 * errors.rest,
+            clips: pairs
+                .map(|((before, after), error)| ClipOptimized {
+                    clip: before.name.clone(),
+                    channels_in: before.channels.len(),
+                    channels_out: after.clip.channels.len(),
+                    keys_in: keys(before),
+                    keys_out: keys(&after.clip),
+                    error_mm: 1e3 * error,
+                })
+                .collect(),
+            keeps_arrays: source.keeps_arrays(),
+        }
+    }
+
+    pub(super) fn with_bound(self, bound: f32) -> Self {
+        Self {
+            bound_mm: 1e3 * bound,
+            ..self
+        }
+    }
+}
