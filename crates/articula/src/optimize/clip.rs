@@ -25,7 +25,8 @@ const NEAR: f32 = 0.92;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct OptimizedClip {
     pub(super) clip: RawClip,
-    /// The step of the values of each channel: radians for rotations, else their unit.
+    /// The step of the values of each channel: radians for rotations, else their unit. Empty if all are
+    /// exact.
     pub(super) steps: Vec<f32>,
 }
 
@@ -83,12 +84,11 @@ impl<'a> Subject<'a> {
         Ok(least)
     }
 
-    /// The clip with all its keys, to the bit of 24-bit numbers.
+    /// The clip with all its keys, to the bit.
     pub(super) fn unchanged(&self, index: usize) -> OptimizedClip {
-        let clip = self.source.character.clips[index].clone();
         OptimizedClip {
-            steps: vec![0.0; clip.channels.len()],
-            clip,
+            clip: self.source.character.clips[index].clone(),
+            steps: Vec::new(),
         }
     }
 
