@@ -6,16 +6,18 @@ use crate::crowd_options::root_motion;
 use crate::error::{Fault, Result, index};
 use crate::expressions::Expressions;
 use crate::matrix_rows::{IDENTITY, Rows, offset, rows};
-use crate::metric::Metric;
+use crate::metric::{Metric, StoredErrors};
 use crate::view::cameras;
 use articula::Camera;
 use articula::LoaRange;
 use articula::core::crowd::{ClipState, RootDelta};
+use articula::core::joint_state::TransitionOptions;
 use articula::core::playback::{
     FigureModel, FigurePlayer, FigureViews, LayerMode, LoaController, MotionLayer,
 };
 use articula::core::{LocalPose, Wrap, normalised, palette, sample};
 use articula::crowd::{events_by_clip, figure_model};
+use articula::evaluate::ShownErrorMeter;
 use articula::glam::{Affine3A, Quat};
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
@@ -27,16 +29,21 @@ use wasm_bindgen::prelude::*;
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Figure {
-    figure: Arc<articula::Figure>,
-    player: FigurePlayer,
-    controller: LoaController<Metric>,
+    pub(crate) figure: Arc<articula::Figure>,
+    pub(crate) player: FigurePlayer,
+    pub(crate) controller: LoaController<Metric>,
+    pub(crate) transition: TransitionOptions,
+    /// Made when the first error is asked for.
+    pub(crate) meter: Option<ShownErrorMeter>,
+    /// Read when a threshold is first set.
+    pub(crate) errors: Option<StoredErrors>,
     expressions: Expressions,
-    cameras: Vec<Camera>,
+    pub(crate) cameras: Vec<Camera>,
     /// Rotations after sampling, by joint.
     posed: Vec<(usize, Quat)>,
     /// Weights that replace those of the clips.
     own_morphs: Vec<Option<f32>>,
-    root: RootDelta,
+    pub(crate) root: RootDelta,
     events: Vec<f64>,
     matrices: Vec<Affine3A>,
     palette: Vec<Rows>,
@@ -70,6 +77,9 @@ impl Figure {
         Ok(Self {
             player: FigurePlayer::new(model, &mesh.morph_weights),
             controller: LoaController::new(rig, range, Default::default(), Metric::full()),
+            transition: TransitionOptions::default(),
+            meter: None,
+            errors: None,
             expressions: Expressions::new(&figure),
             cameras: Vec::new(),
             posed: Vec::new(),
@@ -234,22 +244,7 @@ impl Figure {
             let (clip, id, weight) = (event.clip, event.event.id, event.weight);
             events.extend([clip as f64, f64::from(id), f64::from(weight)]);
         });
-        let seen = FigureViews::Cameras(&self.cameras);
-        let updated = self
-            .player
-            .control(&mut self.controller, seen)
-            .updated
-            .len();
-        let (posed, expressions) = (&self.posed, &self.expressions);
-        self.player.edit(&mut |pose| {
-            for (joint, turn) in posed {
-                pose.rotations[*joint] = normalised(pose.rotations[*joint] * *turn);
-            }
-            expressions.pose(pose);
-        });
-        self.player.hierarchy();
-        self.write();
-        Ok(updated)
+        Ok(self.evaluate())
     }
 
     /// Events of clips that the last frame passed, also those of layers, three numbers each: clip, identifier, weight of
@@ -305,6 +300,26 @@ impl Figure {
     /// An error about the file.
     fn thrown(&self, error: impl Into<articula::Error>) -> Fault {
         Fault::of_file(&error.into(), self.figure.opened.name())
+    }
+
+    /// Poses for the cameras, and returns the number of joints renewed.
+    pub(crate) fn evaluate(&mut self) -> usize {
+        let seen = FigureViews::Cameras(&self.cameras);
+        let updated = self
+            .player
+            .control(&mut self.controller, seen)
+            .updated
+            .len();
+        let (posed, expressions) = (&self.posed, &self.expressions);
+        self.player.edit(&mut |pose| {
+            for (joint, turn) in posed {
+                pose.rotations[*joint] = normalised(pose.rotations[*joint] * *turn);
+            }
+            expressions.pose(pose);
+        });
+        self.player.hierarchy();
+        self.write();
+        updated
     }
 
     /// Writes what JavaScript reads.

@@ -7,6 +7,7 @@
 //!
 //! - `asset::Asset`: an opened character; `geometry::Geometry`: the vertices of a mesh
 //! - `figure::Figure`: one character in motion; `crowd::Crowd`: many of one character
+//! - `levels`, `steering`: which joints move, what decides it, and what that shows
 //! - `stream::Client`: characters of a server, and its `Arrival`, what is shown of one
 //! - `tools::Tools`, `publish::Publisher`: what takes long
 //! - `error::Fault`: every call that can fail throws an `ArticulaError`
@@ -33,6 +34,8 @@ mod expressions;
 mod figure;
 #[cfg(any(feature = "play", feature = "stream"))]
 mod geometry;
+#[cfg(feature = "play")]
+mod levels;
 #[cfg(any(feature = "tools", feature = "publish"))]
 mod long_options;
 #[cfg(any(feature = "play", feature = "stream"))]
@@ -50,6 +53,8 @@ mod picking;
 mod progress;
 #[cfg(feature = "publish")]
 mod publish;
+#[cfg(feature = "play")]
+mod steering;
 #[cfg(feature = "stream")]
 mod stream;
 #[cfg(feature = "tools")]

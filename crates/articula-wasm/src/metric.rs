@@ -2,16 +2,37 @@
 
 use articula::Figure;
 use articula::MotionTables;
+use articula::core::joint_state::TransitionOptions;
 use articula::core::playback::{
-    ControlResult, FrameContext, FullDetail, MotionController, StoredKeys, TableController,
+    ControlResult, ErrorMatrix, FrameContext, FullDetail, MotionController, StoredKeys,
+    TableController, ThesisController, Threshold,
 };
-use articula::core::{JointSet, LocalPose};
+use articula::core::{JointSet, LocalPose, Rig};
+use std::sync::Arc;
 
 /// All joints, or those whose error is seen.
 #[derive(Debug)]
 pub(crate) enum Metric {
     Full(FullDetail),
     Keys(TableController),
+    Thesis(Box<ThesisController>),
+}
+
+/// The error matrix that a figure's file stores for each clip. Reading checks them against the file, which takes longer
+/// than a frame.
+#[derive(Debug)]
+pub(crate) struct StoredErrors(Vec<Option<Arc<ErrorMatrix>>>);
+
+impl StoredErrors {
+    pub(crate) fn read(figure: &Figure) -> Self {
+        let clips = 0..figure.asset.clips.len();
+        let stored = clips.map(|c| MotionTables::stored(figure, c).error_matrix);
+        Self(
+            stored
+                .map(|table| table.map(|table| Arc::new(table.matrix)))
+                .collect(),
+        )
+    }
 }
 
 impl Metric {
@@ -31,10 +52,24 @@ impl Metric {
         Self::Keys(TableController::new(keys.collect(), shares, px))
     }
 
+    /// The errors of a file, by a threshold.
+    pub(crate) fn thesis(
+        rig: &Rig,
+        errors: &StoredErrors,
+        threshold: Threshold,
+        lookup_every: usize,
+        transition: TransitionOptions,
+    ) -> Self {
+        let matrices = errors.0.clone();
+        let thesis = ThesisController::new(rig, matrices, threshold, lookup_every, transition);
+        Self::Thesis(Box::new(thesis))
+    }
+
     fn inner(&mut self) -> &mut dyn MotionController {
         match self {
             Self::Full(full) => full,
             Self::Keys(keys) => keys,
+            Self::Thesis(thesis) => &mut **thesis,
         }
     }
 }

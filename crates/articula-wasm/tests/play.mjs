@@ -156,6 +156,41 @@ test("joints, layers and levels of a figure", () => {
   });
 });
 
+test("joints are chosen, held by a clock of the caller, and measured", () => {
+  withAsset((asset) => {
+    const low = [...asset.jointsOfExpression("loa(Low)")];
+    assert.deepEqual([...asset.jointsOfProfile('{"complexity": "low"}')], low);
+    assert.ok(low.every((joint) => asset.jointLevels[joint] <= 1) && low.length < asset.joints.length);
+    assert.equal(asset.jointRegions.length, asset.joints.length);
+    assert.ok(asset.clipJoints(0).length > 10 && asset.clipBytes[0] > 1000);
+    refuses(() => asset.jointsOfExpression("loa("), "argument", /column/);
+    refuses(() => asset.jointsOfExpression("joint(tail)"), "argument", /tail/);
+    refuses(() => asset.jointsOfProfile('{"depht": 2}'), "argument", /depht/);
+    refuses(() => asset.clipJoints(7), "argument", /clip 7/);
+    const figure = new Figure(asset, "in-place");
+    const close = view([0, 1, 3], -1);
+    refuses(() => figure.setTransition(0, "bouncy", "hold"), "argument", /bouncy/);
+    refuses(() => figure.articulate(new Uint32Array([5000])), "argument", /joint 5000/);
+    refuses(() => figure.errorPx(new Float32Array()), "argument", /one/);
+    figure.setTransition(0.1, "linear", "hold");
+    figure.frameAt(0, 0, close);
+    assert.deepEqual([...figure.errorPx(close)], [0, 0]);
+    figure.articulate(new Uint32Array(low));
+    figure.frameAt(0.05, 0.05, close);
+    figure.frameAt(0.1, 0.1, close);
+    assert.ok(figure.jointStates.some((state) => state === 2), "no joint is in transition");
+    figure.frameAt(0.2, 0.2, close);
+    assert.deepEqual([...figure.jointStates.keys()].filter((joint) => figure.jointStates[joint] === 1), low);
+    assert.equal(figure.work[0], low.length);
+    const [most, worst] = figure.errorPx(close);
+    assert.ok(most > 0 && worst >= most, `${most}, ${worst}`);
+    figure.setThreshold(1, 1, 16, 1, true);
+    for (let frame = 0; frame < 30; frame += 1) figure.frameAt(1 + frame / 60, 0.2, close);
+    assert.ok(figure.work[0] < low.length, "a threshold of 1 holds no joint");
+    figure.free();
+  });
+});
+
 test("a mesh has all that a renderer needs", () => {
   withAsset((asset) => {
     const geometry = asset.mesh();

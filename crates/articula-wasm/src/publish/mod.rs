@@ -1,5 +1,6 @@
 //! What is published of a character: moving pictures and digital items. For a worker, as `tools`.
 
+mod measured;
 mod options;
 mod packaged;
 

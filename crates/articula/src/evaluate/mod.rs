@@ -8,6 +8,7 @@
 //! - `path`: a controller of the live playback with a moving camera
 //! - `schedule`: levels of articulation that change over time
 //! - `layers`: the error of leaving out parts of a motion stream
+//! - `shown_error`: the error of a frame that is shown
 //! - `costs`: cost of each zone, depth and level of complexity
 //!
 //! Field names are stable, since scripts read them as JSON (`docs/commands.md`).
@@ -19,6 +20,7 @@ mod methods;
 mod path;
 mod rows;
 mod schedule;
+mod shown_error;
 
 pub use costs::{Cost, Costs};
 #[cfg(feature = "streams")]
@@ -30,6 +32,7 @@ pub use schedule::{
     ChangeError, ScheduleChange, ScheduleEntry, ScheduleOptions, ScheduleReport, ScheduleRow,
     play_lod_schedule, read_lod_schedule,
 };
+pub use shown_error::{ShownError, ShownErrorMeter};
 
 use crate::face::face_vertices;
 use crate::figure::Figure;

@@ -8,7 +8,9 @@ export type { PackagedBytes, Progress } from './messages.js';
 export {
   type AddClipsOptions,
   type ConvertOptions,
+  type EvaluateOptions,
   type FlattenOptions,
+  type MeasuredPicture,
   type PackageOptions,
   type PrepareOptions,
   type TaskOptions,

@@ -8,6 +8,12 @@ export interface Progress {
   readonly total: number;
 }
 
+/** A moving picture with its report, as JSON. */
+export interface PictureBytes {
+  readonly bytes: Uint8Array;
+  readonly report: string;
+}
+
 /** A file of a digital item. */
 export interface PackagedBytes {
   readonly name: string;
@@ -26,17 +32,22 @@ interface FileTask<Call extends string> {
 export type Task =
   | FileTask<'prepare'>
   | FileTask<'flatten'>
+  | FileTask<'flattenMeasured'>
+  | FileTask<'evaluate'>
   | FileTask<'inspect'>
   | FileTask<'package'>
   | (FileTask<'convert'> & { readonly to: string })
+  | (FileTask<'addFaceClip'> & { readonly motion: Uint8Array; readonly motionName: string })
   | (FileTask<'addClips'> & { readonly motion: Uint8Array; readonly motionName: string });
 
 /** What a task returns. */
-export type TaskResult<Call extends Task['call']> = Call extends 'inspect'
+export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'evaluate'
   ? string
   : Call extends 'package'
     ? PackagedBytes[]
-    : Uint8Array;
+    : Call extends 'flattenMeasured'
+      ? PictureBytes
+      : Uint8Array;
 
 /** What the page sends to a worker. */
 export interface Request {

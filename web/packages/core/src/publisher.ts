@@ -1,6 +1,6 @@
 /** Runs one task of publishing in a worker, then ends. */
 import init, { Publisher } from '../wasm/publish.js';
-import type { PackagedBytes } from './messages.js';
+import type { PackagedBytes, PictureBytes } from './messages.js';
 import { serve } from './scope.js';
 
 serve(
@@ -10,6 +10,12 @@ serve(
     switch (task.call) {
       case 'flatten':
         return Publisher.flatten(bytes, name, options, report);
+      case 'flattenMeasured': {
+        const made = Publisher.flattenMeasured(bytes, name, options, report);
+        const picture: PictureBytes = { bytes: made.bytes, report: made.report };
+        made.free();
+        return picture;
+      }
       case 'package':
         return Publisher.package(bytes, name, options, report).map((file): PackagedBytes => {
           const copy = { name: file.name, bytes: file.bytes };

@@ -40,6 +40,26 @@ export interface FlattenOptions extends TaskOptions {
   readonly maxBytes?: number | undefined;
 }
 
+/** A moving picture, with sizes, errors and settings as `articula flatten --json` tells them. */
+export interface MeasuredPicture {
+  readonly bytes: Uint8Array;
+  readonly report: unknown;
+}
+
+/** Options of {@link Tools.evaluate}. */
+export interface EvaluateOptions extends TaskOptions {
+  /** The clip to play; the first if left out. */
+  readonly clip?: string | undefined;
+  /** A method of `articula lod`, or `all`; `skin-px` if left out. */
+  readonly method?: string | undefined;
+  /** An expression of the joints that move, in place of a method. */
+  readonly loa?: string | undefined;
+  /** Distances of the camera in metres. */
+  readonly distances?: readonly number[] | undefined;
+  /** Finds the parameter that saves the most at an error of so many pixels. */
+  readonly calibratePx?: number | undefined;
+}
+
 /** Options of {@link Tools.package}. */
 export interface PackageOptions extends TaskOptions {
   readonly meshLevels?: number | undefined;
@@ -89,10 +109,33 @@ export class Tools {
     return this.#run({ call: 'addClips', bytes, name, motion, motionName, ...split(options) });
   }
 
+  /** Returns the character with the motion of a face: a FAP, AFP or FBA file, or a capture of Live Link Face (CSV). */
+  addFaceClip(
+    bytes: Uint8Array,
+    name: string,
+    motion: Uint8Array,
+    motionName: string,
+    options: TaskOptions = {},
+  ): Promise<Uint8Array> {
+    return this.#run({ call: 'addFaceClip', bytes, name, motion, motionName, ...split(options) });
+  }
+
   /** Returns a clip as a moving picture of 2D shapes. */
   async flatten(bytes: Uint8Array, name: string, options: FlattenOptions): Promise<Uint8Array> {
     const file = await this.#published(bytes, name, options);
     return this.#run({ call: 'flatten', ...file, ...split(options) });
+  }
+
+  /** Returns a clip as a moving picture of 2D shapes, and measures it. */
+  async flattenMeasured(bytes: Uint8Array, name: string, options: FlattenOptions): Promise<MeasuredPicture> {
+    const file = await this.#published(bytes, name, options);
+    const made = await this.#run({ call: 'flattenMeasured', ...file, ...split(options) });
+    return { bytes: made.bytes, report: JSON.parse(made.report) };
+  }
+
+  /** Returns what methods of motion level of detail save and show, as `articula lod --json` tells it. */
+  async evaluate(bytes: Uint8Array, name: string, options: EvaluateOptions = {}): Promise<unknown> {
+    return JSON.parse(await this.#run({ call: 'evaluate', bytes, name, ...split(options) }));
   }
 
   /** Returns what is in a file: joints, clips, meshes, face, warnings. */
@@ -149,7 +192,7 @@ export class Tools {
   /** Starts the worker that has a call; bundlers find its script by these very words. */
   #start(call: Task['call']): { worker: Worker; wasm: string | URL | undefined } {
     const { worker, wasm, publisher, publishWasm } = this.#source;
-    if (call === 'flatten' || call === 'package') {
+    if (call === 'flatten' || call === 'flattenMeasured' || call === 'package') {
       const started = publisher?.() ?? new Worker(new URL('./publisher.js', import.meta.url), { type: 'module' });
       return { worker: started, wasm: publishWasm };
     }

@@ -169,22 +169,17 @@ export class ArticulaFigure extends Object3D<FigureEventMap> {
   update(dtSecs: number, cameras?: Camera | readonly Camera[], size?: DrawnSize): void {
     const seen = cameras !== undefined && size !== undefined;
     this.core.frame(dtSecs, seen ? packCameras(cameras, this, size) : NOWHERE);
-    this.#skeleton.setPalette(this.#arrays.palette);
-    const influences = this.mesh.morphTargetInfluences;
-    if (influences !== undefined) {
-      const weights = this.#arrays.morphs;
-      this.asset.shape().morphs.forEach((target, i) => {
-        influences[i] = weights[target] ?? 0;
-      });
-    }
-    const joints = this.#arrays.joints;
-    for (const [index, socket] of this.#sockets) {
-      this.#follow(socket, index, joints);
-    }
-    this.#bounds.enclose(this.mesh.boundingSphere as Sphere, (index, into) => this.#skeleton.matrix(index, into));
-    if (this.#options.events !== undefined) {
-      this.#dispatch();
-    }
+    this.#take();
+  }
+
+  /**
+   * Shows a time of a clock of the caller, in place of {@link update}: the clip that is played is at `clipSecs`, and
+   * transitions go by `nowSecs`.
+   */
+  updateAt(nowSecs: number, clipSecs: number, cameras?: Camera | readonly Camera[], size?: DrawnSize): void {
+    const seen = cameras !== undefined && size !== undefined;
+    this.core.frameAt(nowSecs, clipSecs, seen ? packCameras(cameras, this, size) : NOWHERE);
+    this.#take();
   }
 
   /** x, y, z in metres and yaw in radians by which the root moved in the last {@link update}. */
@@ -211,6 +206,26 @@ export class ArticulaFigure extends Object3D<FigureEventMap> {
     for (let i = 0; i + EVENT_NUMBERS <= events.length; i += EVENT_NUMBERS) {
       const [clip = 0, id = 0, weight = 0] = events.subarray(i, i + EVENT_NUMBERS);
       this.dispatchEvent({ type: 'clipevent', clip: this.asset.clips[clip] ?? '', id, weight });
+    }
+  }
+
+  /** Takes over the pose of the last frame. */
+  #take(): void {
+    this.#skeleton.setPalette(this.#arrays.palette);
+    const influences = this.mesh.morphTargetInfluences;
+    if (influences !== undefined) {
+      const weights = this.#arrays.morphs;
+      this.asset.shape().morphs.forEach((target, i) => {
+        influences[i] = weights[target] ?? 0;
+      });
+    }
+    const joints = this.#arrays.joints;
+    for (const [index, socket] of this.#sockets) {
+      this.#follow(socket, index, joints);
+    }
+    this.#bounds.enclose(this.mesh.boundingSphere as Sphere, (index, into) => this.#skeleton.matrix(index, into));
+    if (this.#options.events !== undefined) {
+      this.#dispatch();
     }
   }
 
