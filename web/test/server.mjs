@@ -10,9 +10,11 @@ const ASSETS = fileURLToPath(new URL('../../assets', import.meta.url));
 /** The full set of characters, if it is here. */
 export const DATA = process.env.ARTICULA_DATA ?? fileURLToPath(new URL('../../../shared/data', import.meta.url));
 const TYPES = {
+  '.css': 'text/css',
   '.html': 'text/html',
   '.js': 'text/javascript',
   '.mjs': 'text/javascript',
+  '.svg': 'image/svg+xml',
   '.wasm': 'application/wasm',
 };
 

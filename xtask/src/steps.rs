@@ -71,7 +71,7 @@ const STEPS: &[&[Step]] = &[
         step("playback in node", 3.0, |_| wasm::playback()),
         step("neon under emulation", 3.0, |_| neon::check()),
     ],
-    &[step("pages", 1.5, |_| web_pages::check())],
+    &[step("pages", 3.0, |_| web_pages::check())],
 ];
 
 /// Steps of `--changed`.

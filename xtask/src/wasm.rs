@@ -95,6 +95,8 @@ pub(crate) fn playback() -> Result<Outcome> {
     std::fs::create_dir_all(&folder)?;
     let prepared = folder.join("prepared.glb");
     let steps = platform::compare_library("in node", &said(SAY, LIBRARY)?, &prepared)?;
+    // The tests of the studio compare with the same steps.
+    std::fs::write(folder.join("library-steps.txt"), &steps)?;
     web::test(&modules, &steps, &prepared)?;
     Ok(Outcome::Done)
 }

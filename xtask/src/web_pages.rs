@@ -15,6 +15,9 @@ pub(crate) fn install() -> Result<Outcome> {
     install_in(FOLDER, "packages for web pages")
 }
 
+/// The page that stands on the packages.
+const STUDIO: &str = "articula-studio";
+
 /// Compiles the packages over the modules that the check in node has built, checks what they publish, and opens their
 /// pages.
 pub(crate) fn check() -> Result<Outcome> {
@@ -28,7 +31,13 @@ pub(crate) fn check() -> Result<Outcome> {
         let why = "packages for web pages (their modules are not built)";
         return Ok(Outcome::Skipped(why.to_owned()));
     }
-    for words in [&["run", "build"][..], &["run", "check"], &["test"]] {
+    for words in [
+        &["run", "build"][..],
+        &["run", "check"],
+        &["test"],
+        &["run", "build", "--workspace", STUDIO],
+        &["test", "--workspace", STUDIO],
+    ] {
         let mut npm = Command::new("npm");
         run(npm.args(words).arg("--silent").current_dir(&folder))?;
     }

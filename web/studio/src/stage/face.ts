@@ -1,0 +1,53 @@
+import { button, section, slider, type Control } from '../ui/controls.js';
+import { h } from '../ui/dom.js';
+import type { Studio } from '../studio.js';
+import type { StageColumn } from './column.js';
+
+/** Sliders of the expressions of the file, where it has any. */
+export class FacePanel {
+  readonly element: HTMLDetailsElement;
+  readonly #studio: Studio;
+  readonly #columns: () => readonly StageColumn[];
+  readonly #body = h('div', { class: 'stack' });
+  readonly #weights = new Map<string, number>();
+  #sliders: Control<number>[] = [];
+
+  constructor(studio: Studio, columns: () => readonly StageColumn[]) {
+    this.#studio = studio;
+    this.#columns = columns;
+    this.element = section('Face', false, this.#body);
+  }
+
+  renew(): void {
+    const { expressions } = this.#studio.character.asset;
+    this.element.hidden = expressions.length === 0;
+    this.#weights.clear();
+    this.#sliders = expressions.map((name) =>
+      slider({
+        label: name,
+        min: 0,
+        max: 1,
+        step: 0.01,
+        value: 0,
+        shown: (weight) => `${Math.round(100 * weight)} %`,
+        onInput: (weight) => {
+          this.#weights.set(name, weight);
+          this.apply();
+        },
+      }),
+    );
+    const clear = button('Clear', () => {
+      this.#weights.clear();
+      this.#sliders.forEach((control) => control.set(0));
+      this.#columns().forEach(({ figure }) => figure.clearMorphs());
+    }, 'small');
+    this.#body.replaceChildren(...this.#sliders.map(({ element }) => element), clear);
+  }
+
+  /** Sets the weights on all columns. */
+  apply(): void {
+    for (const { figure } of this.#columns()) {
+      this.#weights.forEach((weight, name) => figure.setExpression(name, weight));
+    }
+  }
+}

@@ -1,0 +1,144 @@
+/** What a permalink holds. Only values that differ from these are written. */
+export interface StudioState {
+  page: 'stage' | 'crowd' | 'flat';
+  clip: string;
+  /** Time of the clip in seconds, where it is paused. */
+  at: number;
+  playing: boolean;
+  loop: boolean;
+  speed: number;
+  columns: 'one' | 'two' | 'levels';
+  body: 'solid' | 'clear' | 'none';
+  skeleton: boolean;
+  radius: number;
+  complexity: string;
+  depth: number;
+  hanim: string;
+  zones: string;
+  rule: 'sum' | 'restrict';
+  plus: string;
+  minus: string;
+  expression: string;
+  metric: 'none' | 'pixels' | 'thesis';
+  pixels: number;
+  threshold: number;
+  farthest: number;
+  curve: 'literal' | 'fixed';
+  lookup: number;
+  transition: number;
+  ease: 'smooth' | 'linear';
+  passive: 'hold' | 'rest';
+  count: number;
+  detail: 'tolerance' | 'budget' | 'full';
+  tolerance: number;
+  budget: number;
+  tiers: boolean;
+  form: 'svg' | 'player' | 'lottie';
+  triangles: number;
+  yaw: number;
+}
+
+const USUAL: Readonly<StudioState> = {
+  page: 'stage',
+  clip: 'walk',
+  at: 0,
+  playing: true,
+  loop: true,
+  speed: 1,
+  columns: 'one',
+  body: 'clear',
+  skeleton: true,
+  radius: 1,
+  complexity: '',
+  depth: 0,
+  hanim: '',
+  zones: '',
+  rule: 'sum',
+  plus: '',
+  minus: '',
+  expression: '',
+  metric: 'none',
+  pixels: 1,
+  threshold: 1e-4,
+  farthest: 1e-3,
+  curve: 'literal',
+  lookup: 1,
+  transition: 0.2,
+  ease: 'smooth',
+  passive: 'hold',
+  count: 1000,
+  detail: 'tolerance',
+  tolerance: 1,
+  budget: 1,
+  tiers: true,
+  form: 'svg',
+  triangles: 0,
+  yaw: 0,
+};
+
+/** Words that the fields of a few known words may have. */
+const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
+  page: ['stage', 'crowd', 'flat'],
+  columns: ['one', 'two', 'levels'],
+  body: ['solid', 'clear', 'none'],
+  rule: ['sum', 'restrict'],
+  metric: ['none', 'pixels', 'thesis'],
+  curve: ['literal', 'fixed'],
+  ease: ['smooth', 'linear'],
+  passive: ['hold', 'rest'],
+  detail: ['tolerance', 'budget', 'full'],
+  form: ['svg', 'player', 'lottie'],
+};
+
+/** Ranges of the numbers; others are at least 0. */
+const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
+  count: [1, 10_000],
+  triangles: [0, 20_000],
+  yaw: [-180, 180],
+  speed: [0.1, 2],
+  radius: [0.3, 3],
+  lookup: [1, 60],
+  pixels: [0.05, 64],
+  tolerance: [0.1, 32],
+  budget: [0.02, 16],
+};
+
+/** Reads a fragment such as `#stage?clip=walk&complexity=Low`; what it does not know is left out. */
+export function readState(fragment: string): StudioState {
+  const [page = '', query = ''] = fragment.replace(/^#/, '').split('?');
+  const state = { ...USUAL } as Record<string, unknown>;
+  const given = new URLSearchParams(query);
+  if (WORDS.page?.includes(page)) {
+    state.page = page;
+  }
+  for (const [key, usual] of Object.entries(USUAL)) {
+    const text = given.get(key);
+    if (text === null || key === 'page') {
+      continue;
+    }
+    const words = WORDS[key as keyof StudioState];
+    if (typeof usual === 'number') {
+      const [least, most] = RANGES[key as keyof StudioState] ?? [0, 1e6];
+      const value = Number(text);
+      state[key] = Number.isFinite(value) ? Math.min(Math.max(value, least), most) : usual;
+    } else if (typeof usual === 'boolean') {
+      state[key] = text === '1';
+    } else if (words === undefined || words.includes(text)) {
+      state[key] = text;
+    }
+  }
+  return state as unknown as StudioState;
+}
+
+/** Writes a fragment that {@link readState} reads. */
+export function writeState(state: StudioState): string {
+  const query = new URLSearchParams();
+  for (const [key, usual] of Object.entries(USUAL)) {
+    const value = state[key as keyof StudioState];
+    if (key !== 'page' && value !== usual) {
+      query.set(key, typeof value === 'boolean' ? (value ? '1' : '0') : String(value));
+    }
+  }
+  const text = query.toString();
+  return `#${state.page}${text === '' ? '' : `?${text}`}`;
+}

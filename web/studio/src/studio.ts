@@ -1,0 +1,181 @@
+import { Articula } from '@articula/core';
+import { ArticulaAsset } from '@articula/three';
+
+import { KeptTools } from './kept-tools.js';
+import { readState, type StudioState, writeState } from './state.js';
+import type { Notices, TaskLine } from './ui/status.js';
+
+/** The character of the page: its file as bytes, and opened. */
+export interface Character {
+  readonly asset: ArticulaAsset;
+  readonly bytes: Uint8Array;
+  readonly name: string;
+}
+
+/** Files that the page opens without a worker. */
+const IS_PLAYED = /\.(glb|vrm)$/i;
+/** Files that are motions: they are added to the character. */
+const IS_MOTION = /\.(bvh|amc|bap|abp|bva|vrma)$/i;
+/** Files that are motions of a face. */
+const IS_FACE = /\.(fap|afp|fba|csv)$/i;
+/** All that may be dropped. */
+export const ACCEPTED = '.fap,.afp,.fba,.csv,.glb,.vrm,.gltf,.fbx,.bvh,.asf,.amc,.bap,.abp,.x3d,.bva,.vrma,.json';
+
+/** Milliseconds from the last change to the permalink. */
+const LINK_MS = 250;
+
+/** What all pages share: the state of the permalink, the module, and the character. */
+export class Studio extends EventTarget {
+  state: StudioState = readState(location.hash);
+  readonly articula: Articula;
+  readonly task: TaskLine;
+  readonly notices: Notices;
+  readonly tools: KeptTools;
+  character: Character;
+  #link = 0;
+
+  private constructor(articula: Articula, character: Character, task: TaskLine, notices: Notices, tools: KeptTools) {
+    super();
+    this.articula = articula;
+    this.character = character;
+    this.task = task;
+    this.notices = notices;
+    this.tools = tools;
+    if (matchMedia('(prefers-reduced-motion: reduce)').matches && !location.hash.includes('playing=')) {
+      this.state.playing = false;
+    }
+  }
+
+  /** Loads the module and the character that the page begins with. */
+  static async start(task: TaskLine, notices: Notices): Promise<Studio> {
+    const tools = new KeptTools();
+    const loading = Articula.load({ tools: tools.source });
+    const [articula, bytes] = await Promise.all([loading, fetchBytes('./human.glb')]);
+    return new Studio(articula, await opened(articula, bytes, 'human.glb'), task, notices, tools);
+  }
+
+  /** Changes the state, and the permalink a moment later. */
+  set(change: Partial<StudioState>): void {
+    Object.assign(this.state, change);
+    this.dispatchEvent(new Event('state'));
+    clearTimeout(this.#link);
+    this.#link = window.setTimeout(() => history.replaceState(null, '', writeState(this.state)), LINK_MS);
+  }
+
+  /** The address that shows what is shown now. */
+  permalink(): string {
+    return new URL(writeState(this.state), location.href).href;
+  }
+
+  /** Opens a file of the visitor: a character in place of this one, or a motion or a profile for it. */
+  async open(file: File): Promise<void> {
+    try {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      if (/\.json$/i.test(file.name)) {
+        this.#takeProfile(new TextDecoder().decode(bytes));
+      } else if (IS_MOTION.test(file.name) || IS_FACE.test(file.name)) {
+        await this.#addMotion(bytes, file.name);
+      } else {
+        await this.#openCharacter(bytes, file.name);
+      }
+    } catch (error) {
+      this.notices.fault(error);
+    }
+  }
+
+  /** The file with all tables, made once. */
+  async prepared(): Promise<Character> {
+    if (!this.character.asset.core.isPrepared) {
+      await this.#prepare(this.character.bytes, this.character.name);
+    }
+    return this.character;
+  }
+
+  async #openCharacter(bytes: Uint8Array, name: string): Promise<void> {
+    // What is still made of the file before must not come after this one.
+    this.task.cancel();
+    if (IS_PLAYED.test(name)) {
+      // It plays at once, and with its tables when they are there.
+      this.#show(await opened(this.articula, bytes, name));
+      if (this.character.asset.core.isPrepared) {
+        return;
+      }
+      this.notices.say(`${name} plays. Its tables for pixel errors and crowds are made meanwhile.`);
+    }
+    if (!IS_PLAYED.test(name)) {
+      const found = await this.task.run(`Reading ${name}`, (watch) => this.articula.tools.inspect(bytes, name, watch));
+      if ((found as { meshes: unknown[] }).meshes.length === 0) {
+        await this.#addMotion(bytes, name);
+        return;
+      }
+    }
+    await this.#prepare(bytes, name);
+  }
+
+  async #prepare(bytes: Uint8Array, name: string): Promise<void> {
+    // Of an opened file without a mesh there are no levels of it.
+    const isBare = name === this.character.name && this.character.asset.shape().geometry.index?.count === 0;
+    const glb = await this.task.run(`Preparing ${name}`, (watch) =>
+      this.articula.tools.prepare(bytes, name, { ...(!isBare && { meshLevels: 4 }), ...watch }),
+    );
+    this.#show(await opened(this.articula, glb, IS_PLAYED.test(name) ? name : `${name}.glb`));
+  }
+
+  async #addMotion(bytes: Uint8Array, name: string): Promise<void> {
+    const { character } = this;
+    const { tools } = this.articula;
+    const moved = await this.task.run(`Adding ${name}`, (watch) =>
+      IS_FACE.test(name)
+        ? tools.addFaceClip(character.bytes, character.name, bytes, name, watch)
+        : tools.addClips(character.bytes, character.name, bytes, name, { keepOwn: true, ...watch }),
+    );
+    const before = new Set(character.asset.clips);
+    const next = await opened(this.articula, moved, character.name);
+    const added = next.asset.clips.find((clip) => !before.has(clip)) ?? next.asset.clips.at(-1);
+    this.state.clip = added ?? '';
+    this.#show(next);
+    this.notices.say(`${name} now moves ${character.name}.`);
+    await this.#prepare(moved, character.name);
+  }
+
+  /** Takes over a LoA profile. */
+  #takeProfile(text: string): void {
+    this.character.asset.core.jointsOfProfile(text);
+    const profile = JSON.parse(text) as Record<string, unknown> & { joints?: { plus?: string[]; minus?: string[] } };
+    this.set({
+      expression: '',
+      complexity: String(profile.complexity ?? ''),
+      depth: Number(profile.depth ?? 0),
+      hanim: String(profile.hanim ?? ''),
+      zones: ((profile.zones as string[] | undefined) ?? []).join(','),
+      rule: profile.rule === 'restrict' ? 'restrict' : 'sum',
+      plus: (profile.joints?.plus ?? []).join(','),
+      minus: (profile.joints?.minus ?? []).join(','),
+    });
+    this.dispatchEvent(new Event('character'));
+  }
+
+  #show(character: Character): void {
+    const before = this.character;
+    this.character = character;
+    this.dispatchEvent(new Event('character'));
+    before.asset.dispose();
+  }
+}
+
+/** Index of the clip that the state names; the first if the character has none of that name. */
+export function chosenClip(studio: Studio): number {
+  return Math.max(studio.character.asset.clips.indexOf(studio.state.clip), 0);
+}
+
+async function opened(articula: Articula, bytes: Uint8Array, name: string): Promise<Character> {
+  return { asset: await ArticulaAsset.of(articula, articula.open(bytes, name)), bytes, name };
+}
+
+async function fetchBytes(url: string): Promise<Uint8Array> {
+  const response = await fetch(url);
+  if (!response.ok) {
+    throw new Error(`${url}: the server answers ${response.status}`);
+  }
+  return new Uint8Array(await response.arrayBuffer());
+}

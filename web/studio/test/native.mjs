@@ -1,0 +1,47 @@
+// What the library does on this machine: a file that it prepares now, the palettes that its player shows, and programs.
+import { execFileSync } from 'node:child_process';
+import { copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const ROOT = fileURLToPath(new URL('../../../', import.meta.url));
+const built = (name) => ['debug', 'release'].map((kind) => join(ROOT, 'target', kind, name));
+const found = (given, name) => (given === undefined ? built(name) : [given]).find((path) => existsSync(path));
+
+/** Takes a character through the library, and returns the hashes of the steps; `cargo xtask test` has just done so. */
+function taken(program, file) {
+  const [steps, prepared] = ['library-steps.txt', 'prepared.glb'].map((name) => join(ROOT, 'target/xtask', name));
+  const time = (path) => statSync(path, { throwIfNoEntry: false })?.mtimeMs ?? 0;
+  if (Math.min(time(steps), time(prepared)) > time(program)) {
+    copyFileSync(prepared, file);
+    return readFileSync(steps, 'utf8');
+  }
+  return execFileSync(program, [file], { encoding: 'utf8' });
+}
+
+/** Starts the programs; undefined, with a line that says so, if one is not built. */
+export function native() {
+  const articula = found(process.env.ARTICULA, 'articula');
+  const hashes = found(process.env.ARTICULA_LIBRARY_HASH, 'articula-library-hash');
+  if (articula === undefined || hashes === undefined) {
+    return undefined;
+  }
+  const folder = mkdtempSync(join(tmpdir(), 'articula-studio-'));
+  const file = join(folder, 'knight.glb');
+  const steps = taken(hashes, file);
+  const run = (...words) => execFileSync(articula, words, { encoding: 'utf8' });
+  return {
+    bytes: readFileSync(file),
+    /** Hash FNV-1a of the palettes of twelve frames of FigurePlayer. */
+    palettes: steps.split('\n').find((line) => line.startsWith('palettes of the figure: '))?.slice(-16),
+    rows: (...words) => JSON.parse(run('lod', file, '--json', ...words)).rows,
+    /** Names of the joints that an expression chooses, from the profile that the program writes. */
+    joints(expression) {
+      const profile = join(folder, 'loa.json');
+      run('lod', file, '--loa', expression, '--distances', '16', '--write', `loa-profile=${profile}`, '--force', '--json');
+      return JSON.parse(readFileSync(profile, 'utf8')).joints.plus;
+    },
+    end: () => rmSync(folder, { recursive: true }),
+  };
+}

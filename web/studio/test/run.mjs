@@ -1,0 +1,44 @@
+// Tests of the studio in a browser: `npm test`, with words of the names of those to run.
+import { mkdirSync } from 'node:fs';
+
+import { browser } from '../../test/browser.mjs';
+import { serve } from '../../test/server.mjs';
+import { FAULTS } from './faults.mjs';
+import { LOOKS } from './looks.mjs';
+import { native } from './native.mjs';
+import { OFFLINE } from './offline.mjs';
+import { STEERING } from './steering.mjs';
+
+const started = await browser();
+if (started === undefined) {
+  console.log('skipped: studio, no Chromium (set CHROMIUM to its program)');
+  process.exit(0);
+}
+mkdirSync(new URL('./out/', import.meta.url), { recursive: true });
+const server = await serve();
+/** Programs are run for the tests that need them alone. */
+let programs;
+const counts = { passed: 0, failed: 0 };
+try {
+  const words = process.argv.slice(2);
+  for (const { name, needs, run } of [...STEERING, ...OFFLINE, ...FAULTS, ...LOOKS].filter((test) => words.every((word) => test.name.includes(word)))) {
+    const start = performance.now();
+    if (needs === 'native') {
+      programs ??= native();
+      if (programs === undefined) {
+        console.log(`skipped: ${name} (articula and articula-library-hash are not built)`);
+        continue;
+      }
+    }
+    const faults = await run({ browser: started, server, programs }).catch((error) => [error.stack]);
+    counts[faults.length === 0 ? 'passed' : 'failed'] += 1;
+    const secs = ((performance.now() - start) / 1000).toFixed(1);
+    console.log(faults.length === 0 ? `ok      ${name} (${secs} s)` : `FAILED  ${name}: ${faults.join('; ')}`);
+  }
+} finally {
+  await started.close();
+  server.close();
+  programs?.end();
+}
+console.log(`${counts.passed} passed, ${counts.failed} failed`);
+process.exitCode = counts.failed === 0 && counts.passed > 0 ? 0 : 1;
