@@ -191,7 +191,14 @@ mod tests {
         for right in ["*", "https://example.com", "http://127.0.0.1:8080"] {
             assert_eq!(origin(right).as_deref(), Ok(right));
         }
-        for wrong in ["", "example.com", "https://", "https://a.com/", "https://a b", "ftp://a"] {
+        for wrong in [
+            "",
+            "example.com",
+            "https://",
+            "https://a.com/",
+            "https://a b",
+            "ftp://a",
+        ] {
             assert!(origin(wrong).is_err(), "{wrong}");
         }
     }
