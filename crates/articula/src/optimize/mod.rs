@@ -45,6 +45,9 @@ pub struct OptimizeOptions {
     pub compression: Compression,
     /// Whether keys are left out; otherwise values are rounded alone.
     pub reduce_keys: bool,
+    /// Whether texture coordinates and tangents stay that no material of the file uses, since an engine
+    /// may have materials of its own.
+    pub keep_attributes: bool,
     /// Seed of the times at which the error is measured, besides key times and their middles.
     pub seed: u64,
 }
@@ -58,6 +61,7 @@ impl Default for OptimizeOptions {
             },
             compression: Compression::default(),
             reduce_keys: true,
+            keep_attributes: false,
             seed: 1,
         }
     }
@@ -115,7 +119,7 @@ fn optimized(
     options: &OptimizeOptions,
     work: &Executor<'_>,
 ) -> Result<Optimized> {
-    let (before, source) = Source::of(opened)?;
+    let (before, source) = Source::of(opened, options)?;
     let bound = bound_metres(&source, options.error)?;
     let mut precision = MeshPrecision::of(&source, bound);
     let mut mesh = source.with_rounded_mesh(&precision)?;

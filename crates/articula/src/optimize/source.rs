@@ -90,7 +90,10 @@ impl MeshPrecision {
 
 impl Source {
     /// The character of a file, and the bytes of its parts without compression.
-    pub(super) fn of(opened: &CharacterFile) -> Result<(BytesByKind, Self)> {
+    pub(super) fn of(
+        opened: &CharacterFile,
+        options: &OptimizeOptions,
+    ) -> Result<(BytesByKind, Self)> {
         let mut document = match opened.gltf() {
             Some(behind) if !opened.clips_changed() => behind.document.clone(),
             // A file of another format, or other clips than those of the document.
@@ -103,7 +106,9 @@ impl Source {
         document.remove_prepared();
         document.remove_motion_tables();
         if document.is_compressible() {
-            document.drop_unused_attributes();
+            if !options.keep_attributes {
+                document.drop_unused_attributes();
+            }
             document.optimise_vertex_order()?;
         }
         let read = gltf::read_document(document, &Limits::default())?;

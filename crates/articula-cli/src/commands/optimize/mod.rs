@@ -35,6 +35,9 @@ pub(crate) struct OptimizeArgs {
     /// Keep all keys, and round their values alone
     #[arg(long)]
     no_keys: bool,
+    /// Keep texture coordinates and tangents that no material of the file uses
+    #[arg(long)]
+    keep_attributes: bool,
     /// Seed of the times at which the error is measured, besides key times and their middles
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -176,6 +179,7 @@ impl OptimizeArgs {
                 Kind::None => Compression::None,
             },
             reduce_keys: !self.no_keys,
+            keep_attributes: self.keep_attributes,
             seed: self.seed,
         }
     }

@@ -358,11 +358,14 @@ impl<'a> Output<'a> {
         if elements.normalized {
             set(accessor, "normalized", true);
         }
-        for bound in ["min", "max"] {
-            object(accessor).shift_remove(bound);
+        let is_float = elements.component == 5126;
+        // Integers are as they were, and so are their bounds.
+        if is_float || !elements.is_bounded {
+            object(accessor).shift_remove("min");
+            object(accessor).shift_remove("max");
         }
         // The format wants the bounds of the numbers as they are stored.
-        if elements.is_bounded && elements.component == 5126 {
+        if elements.is_bounded && is_float {
             let width = elements.stride / 4;
             let floats = decoded.as_chunks::<4>().0.iter();
             let floats: Vec<f32> = floats.map(|b| f32::from_le_bytes(*b)).collect();
@@ -427,5 +430,122 @@ fn filter(filter: Filter) -> &'static str {
         Filter::Quaternion => "QUATERNION",
         Filter::Exponential => "EXPONENTIAL",
         Filter::Color => "COLOR",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::WeightPrecision;
+
+    /// Two primitives: positions of floats and of integers, of which the first two vertices of each are
+    /// equal after rounding; one animation with two rotations that round to the same.
+    fn document() -> Document {
+        let mut bytes = Vec::new();
+        let mut views = Vec::new();
+        let mut put = |part: Vec<u8>| {
+            views.push(json!({"buffer": 0, "byteOffset": bytes.len(), "byteLength": part.len()}));
+            bytes.extend_from_slice(&part);
+        };
+        let floats = |numbers: &[f32]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let shorts = |numbers: &[i16]| numbers.iter().flat_map(|x| x.to_le_bytes()).collect();
+        put(floats(&[0.0, 0.1, 0.2, 1.0, 1.1, 1.2, 2.0, 0.0, 0.0]));
+        put(shorts(&[1, 2, 3, 0, 4, 5, 6, 0, 7, 8, 9, 0]));
+        put(floats(&[0.0, 1.0]));
+        put(floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0]));
+        put(floats(&[0.0, 0.0, 1e-7, 1.0, 0.0, 0.0, 1.0, 1e-7]));
+        put(b"picture".to_vec());
+        views[1]["byteStride"] = json!(8);
+        let float = |view: usize, count: usize, kind: &str| json!({"bufferView": view, "componentType": 5126, "count": count, "type": kind});
+        let mut positions = float(0, 3, "VEC3");
+        positions["min"] = json!([0.0, 0.0, 0.0]);
+        positions["max"] = json!([2.0, 1.1, 1.2]);
+        let length = bytes.len();
+        Document {
+            json: json!({
+                "asset": {"version": "2.0"},
+                "extensionsUsed": ["KHR_mesh_quantization"],
+                "extensionsRequired": ["KHR_mesh_quantization"],
+                "buffers": [{"byteLength": length}],
+                "bufferViews": views,
+                "accessors": [positions,
+                    {"bufferView": 1, "componentType": 5122, "count": 3, "type": "VEC3",
+                        "min": [1, 2, 3], "max": [7, 8, 9]},
+                    float(2, 2, "SCALAR"), float(3, 2, "VEC4"), float(4, 2, "VEC4")],
+                "images": [{"bufferView": 5, "mimeType": "image/png"}],
+                "nodes": [{"mesh": 0}, {}],
+                "scenes": [{"nodes": [0, 1]}],
+                "meshes": [{"primitives": [{"attributes": {"POSITION": 0}},
+                    {"attributes": {"POSITION": 1}}]}],
+                "animations": [{"channels": [
+                    {"sampler": 0, "target": {"node": 0, "path": "rotation"}},
+                    {"sampler": 1, "target": {"node": 1, "path": "rotation"}}],
+                    "samplers": [{"input": 2, "output": 3}, {"input": 2, "output": 4}]}],
+            }),
+            buffers: vec![bytes],
+            pictures: vec![None],
+        }
+    }
+
+    fn precision() -> ArrayPrecision {
+        ArrayPrecision {
+            positions: vec![0.25],
+            samplers: vec![vec![Some(0.01), Some(0.01)]],
+            texcoords: 0.1,
+            times_secs: 0.1,
+            weights: WeightPrecision::Byte,
+        }
+    }
+
+    fn read(glb: &[u8]) -> (Document, Value) {
+        let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+        let json = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+        let mut none = |_: &str| Err("none".to_owned());
+        let file = crate::gltf::read(glb, &Limits::default(), &mut none).unwrap();
+        (file.value.document, json)
+    }
+
+    #[test]
+    fn arrays_round_share_and_keep_what_is_not_theirs() {
+        for compression in [Compression::Ext, Compression::Khr, Compression::None] {
+            let glb = document()
+                .write_compressed(compression, &precision())
+                .unwrap();
+            let (read, json) = read(&glb);
+            // Of the two rotations one is left, and one sampler for both channels.
+            assert_eq!(
+                json["accessors"].as_array().unwrap().len(),
+                4,
+                "{compression:?}"
+            );
+            let animation = &json["animations"][0];
+            assert_eq!(animation["samplers"].as_array().unwrap().len(), 1);
+            assert_eq!(animation["channels"][1]["sampler"], 0);
+            let accessor = |primitive: usize| {
+                let at = format!("/meshes/0/primitives/{primitive}/attributes/POSITION");
+                &json["accessors"][json.pointer(&at).unwrap().as_u64().unwrap() as usize]
+            };
+            assert_eq!(accessor(0)["min"], json!([0.0, 0.0, 0.0]));
+            assert_eq!(accessor(0)["max"], json!([2.0, 1.0, 1.25]));
+            assert_eq!(accessor(1)["min"], json!([1, 2, 3]));
+            let view = json["images"][0]["bufferView"].as_u64().unwrap() as usize;
+            let view = &read.json["bufferViews"][view];
+            let start = view["byteOffset"].as_u64().unwrap() as usize;
+            let buffer = view["buffer"].as_u64().unwrap() as usize;
+            assert_eq!(&read.buffers[buffer][start..start + 7], b"picture");
+        }
+    }
+
+    #[test]
+    fn a_document_with_an_unknown_extension_is_written_as_it_is() {
+        let mut unknown = document();
+        unknown.json["meshes"][0]["extensions"] = json!({"EXT_new": {"bufferView": 1}});
+        let plain = unknown.write_glb().unwrap();
+        assert_eq!(
+            unknown
+                .write_compressed(Compression::Ext, &precision())
+                .unwrap(),
+            plain
+        );
     }
 }
