@@ -3,16 +3,16 @@
 //! - `role`: what each array is used for
 //! - `element`: arrays as elements of few digits, in front of a filter
 //! - `clip_size`: size of a clip without writing it
-//! - `weights`: weights of influences that still sum to 1
+//! - `influences`: weights that still sum to 1, the greatest first
 //! - `streams`: arrays of one layout as one compressed view
 //!
 //! Source: EXT_meshopt_compression, KHR_meshopt_compression, KHR_mesh_quantization.
 
 mod clip_size;
 mod element;
+mod influences;
 mod role;
 mod streams;
-mod weights;
 
 pub use clip_size::compressed_clip_bytes;
 pub use element::{key_time_step, rotation_units};

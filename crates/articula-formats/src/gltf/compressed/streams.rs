@@ -6,8 +6,8 @@ use super::super::prune::{each_accessor_reference, each_view_reference};
 use super::super::reader::{Notes, Reader};
 use super::super::write::glb;
 use super::element::{Elements, elements};
+use super::influences::influences;
 use super::role::{Role, roles};
-use super::weights::weights;
 use super::{ArrayPrecision, Compression};
 use crate::error::ReadError;
 use crate::limits::Limits;
@@ -84,14 +84,14 @@ fn arrays(document: &mut Document, precision: &ArrayPrecision) -> Result<Vec<Arr
     });
     let limits = Limits::default();
     let mut reader = Reader::new(document, &limits, Notes::default());
-    let mut of_influences = weights(&mut reader, precision.weights)?;
+    let mut of_influences = influences(&mut reader, precision.weights)?;
     let mut out = Vec::with_capacity(order.len());
     for accessor in order {
         let role = roles.get(&accessor).copied().unwrap_or(Role::Exact);
         let own = reader.root.entry("accessors", accessor);
         let rounded = of_influences
             .remove(&accessor)
-            .filter(|_| role == Role::Weights);
+            .filter(|_| matches!(role, Role::Joints | Role::Weights));
         let elements = match (rounded, own) {
             (Some(rounded), _) => rounded,
             (None, Some(own)) => elements(&mut reader, own, role, precision)?,

@@ -1,0 +1,195 @@
+//! Influences with weights in 8 or 16 bits that still sum to 1, the greatest first.
+//!
+//! Source: glTF 2.0, 3.7.3.3: the weights of a vertex, over all sets, must sum to 1, in 8 bits
+//! to 255; joints of weight 0 should be 0.
+
+use super::super::place::Place;
+use super::super::reader::Reader;
+use super::WeightPrecision;
+use super::element::Elements;
+use crate::error::ReadError;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Component types of glTF.
+const U8: u32 = 5121;
+const U16: u32 = 5123;
+
+/// Accessors of the joints and weights of a set of four influences.
+type Set = (usize, usize);
+
+/// The joints and weights of all primitives, by accessor; without those whose weights are integers or
+/// sum to nothing, or whose sets differ between primitives.
+pub(super) fn influences(
+    reader: &mut Reader<'_>,
+    precision: WeightPrecision,
+) -> Result<BTreeMap<usize, Elements>, ReadError> {
+    let (whole, size) = match precision {
+        WeightPrecision::Byte => (255, 1),
+        WeightPrecision::Short => (65_535, 2),
+        WeightPrecision::Exact => return Ok(BTreeMap::new()),
+    };
+    let mut groups: BTreeSet<Vec<Set>> = BTreeSet::new();
+    for mesh in reader.root.entries("meshes")? {
+        for primitive in mesh.entries("primitives")? {
+            groups.insert(sets(&primitive));
+        }
+    }
+    let mut uses: BTreeMap<usize, usize> = BTreeMap::new();
+    for (joints, weights) in groups.iter().flatten() {
+        *uses.entry(*joints).or_default() += 1;
+        *uses.entry(*weights).or_default() += 1;
+    }
+    let is_own = |(joints, weights): &Set| uses[joints] == 1 && uses[weights] == 1;
+    let mut out = BTreeMap::new();
+    for group in groups.iter().filter(|group| group.iter().all(is_own)) {
+        let Some(sorted) = sorted(reader, group, whole)? else {
+            continue;
+        };
+        let is_short = sorted.iter().flatten().any(|(joint, _)| *joint > 255);
+        let joint_size = if is_short { 2 } else { 1 };
+        for ((joints, weights), set) in group.iter().zip(sorted) {
+            let of_joints = set.iter().map(|(joint, _)| *joint);
+            out.insert(*joints, stored(of_joints, joint_size, false));
+            out.insert(
+                *weights,
+                stored(set.iter().map(|(_, part)| *part), size, true),
+            );
+        }
+    }
+    Ok(out)
+}
+
+/// Numbers of 1 or 2 bytes, four to an element.
+fn stored(numbers: impl Iterator<Item = u32>, size: usize, normalized: bool) -> Elements {
+    let bytes: Vec<u8> = numbers
+        .flat_map(|number| number.to_le_bytes()[..size].to_vec())
+        .collect();
+    let component = if size == 1 { U8 } else { U16 };
+    Elements::padded(&bytes, 4 * size, component, normalized)
+}
+
+fn sets(primitive: &Place<'_>) -> Vec<Set> {
+    let attributes = primitive.get("attributes");
+    let accessor = |name: String| {
+        let index = attributes.as_ref()?.get(&name)?;
+        index.whole().ok().map(|i| i as usize)
+    };
+    let set = |i: usize| {
+        Some((
+            accessor(format!("JOINTS_{i}"))?,
+            accessor(format!("WEIGHTS_{i}"))?,
+        ))
+    };
+    (0..).map_while(set).collect()
+}
+
+/// The influences of each set, as joints and parts of a whole: of each vertex the greatest first, over
+/// all sets. `None` if they are not four floats each.
+fn sorted(
+    reader: &mut Reader<'_>,
+    group: &[Set],
+    whole: u32,
+) -> Result<Option<Vec<Vec<(u32, u32)>>>, ReadError> {
+    let mut read = Vec::with_capacity(group.len());
+    for (joints, weights) in group {
+        let places = [joints, weights].map(|i| reader.root.entry("accessors", *i));
+        let [Some(joints), Some(weights)] = places else {
+            return Ok(None);
+        };
+        let (joints, weights) = (reader.accessor_at(joints)?, reader.accessor_at(weights)?);
+        let is_usual = !joints.is_float() && weights.is_float();
+        if !is_usual || joints.width() != 4 || weights.width() != 4 {
+            return Ok(None);
+        }
+        read.push((reader.integers(&joints)?, reader.floats(&weights)?));
+    }
+    let length = read.first().map_or(0, |(joints, _)| joints.len());
+    let is_long = |(joints, weights): &(Vec<u32>, Vec<f32>)| {
+        joints.len() == length && weights.len() == length
+    };
+    if length == 0 || !read.iter().all(is_long) {
+        return Ok(None);
+    }
+    let mut out = vec![Vec::with_capacity(length); group.len()];
+    for v in (0..length).step_by(4) {
+        let of_vertex = |pick: fn(&(Vec<u32>, Vec<f32>), usize) -> (u32, f32)| {
+            let each = read
+                .iter()
+                .flat_map(|set| (v..v + 4).map(move |i| pick(set, i)));
+            each.collect::<Vec<_>>()
+        };
+        let pairs = of_vertex(|(joints, weights), i| (joints[i], weights[i]));
+        let weights: Vec<f32> = pairs.iter().map(|(_, weight)| *weight).collect();
+        let Some(parts) = of_whole(&weights, whole) else {
+            return Ok(None);
+        };
+        let joints = pairs.iter().map(|(joint, _)| *joint);
+        let mut influences: Vec<(u32, u32)> = joints
+            .zip(parts)
+            .map(|(joint, part)| (if part == 0 { 0 } else { joint }, part))
+            .collect();
+        influences.sort_by_key(|(joint, part)| (std::cmp::Reverse(*part), *joint));
+        for (set, four) in out.iter_mut().zip(influences.chunks(4)) {
+            set.extend_from_slice(four);
+        }
+    }
+    Ok(Some(out))
+}
+
+/// Weights as parts of a whole: rounded down, and the rest where most was lost. `None` if they
+/// sum to nothing.
+fn of_whole(weights: &[f32], whole: u32) -> Option<Vec<u32>> {
+    let sum: f32 = weights.iter().map(|w| w.max(0.0)).sum();
+    if !(sum.is_finite() && sum > 1e-6) {
+        return None;
+    }
+    let wanted: Vec<f32> = weights
+        .iter()
+        .map(|w| w.max(0.0) / sum * whole as f32)
+        .collect();
+    let mut parts: Vec<u32> = wanted.iter().map(|w| w.floor() as u32).collect();
+    let rest = whole.saturating_sub(parts.iter().sum());
+    let mut order: Vec<usize> = (0..weights.len()).collect();
+    let lost = |i: &usize| wanted[*i] - wanted[*i].floor();
+    order.sort_by(|a, b| lost(b).total_cmp(&lost(a)).then(a.cmp(b)));
+    for i in order.into_iter().cycle().take(rest as usize) {
+        parts[i] = parts[i].saturating_add(1).min(whole);
+    }
+    Some(parts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn weights_sum_to_the_whole_and_stay_within_one_step(
+            weights in prop::collection::vec(0.0f32..1.0, 1..9),
+        ) {
+            let sum: f32 = weights.iter().sum();
+            prop_assume!(sum > 1e-3);
+            for whole in [255, 65_535] {
+                let parts = of_whole(&weights, whole).unwrap();
+                prop_assert_eq!(parts.iter().sum::<u32>(), whole);
+                for (w, part) in weights.iter().zip(parts) {
+                    prop_assert!((w / sum * whole as f32 - part as f32).abs() < 1.05);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_weight_of_nothing_stays_nothing() {
+        assert_eq!(
+            of_whole(&[0.5, 0.5, 0.0, 0.0], 255).unwrap(),
+            [128, 127, 0, 0]
+        );
+        assert_eq!(
+            of_whole(&[0.0, 0.0, 1.0, 0.0], 255).unwrap(),
+            [0, 0, 255, 0]
+        );
+        assert_eq!(of_whole(&[0.0; 4], 255), None);
+    }
+}
