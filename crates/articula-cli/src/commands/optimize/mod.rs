@@ -74,7 +74,7 @@ fn error(text: &str) -> Result<Given, String> {
     });
     match found {
         Some((px, None)) => Ok(Given::Pixels(px)),
-        Some((length, Some(metres))) => Ok(Given::Metres(length * metres)),
+        Some((length, Some(metres))) => Ok(Given::Metres((f64::from(length) * metres) as f32)),
         None => Err("expected pixels or a length above 0, such as 1px or 0.5mm".to_owned()),
     }
 }
