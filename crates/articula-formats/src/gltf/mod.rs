@@ -89,7 +89,7 @@ mod write;
 
 pub use clustered::{MeshParts, PartLevels};
 pub use compressed::{
-    ArrayPrecision, Compression, WeightPrecision, compressed_clip_bytes, key_time_step,
+    ArrayPrecision, Compression, KeySteps, WeightPrecision, compressed_clip_bytes, key_time_step,
     rotation_units,
 };
 pub use document::Document;

@@ -10,7 +10,7 @@ use articula_build::clip_edit::{
 use articula_build::greatest_vertex_error;
 use articula_core::Articulation;
 use articula_core::source::RawClip;
-use articula_formats::gltf::compressed_clip_bytes;
+use articula_formats::gltf::{KeySteps, compressed_clip_bytes};
 
 /// Parts of the error for keys and for the rounding of each value. Errors of a chain of joints add up, in
 /// part; the sum is measured, and the parts are scaled until it is near the bound.
@@ -20,38 +20,35 @@ const VALUE_SHARE: f32 = 0.5;
 const TRIES: usize = 6;
 const AIM: f32 = 0.96;
 const NEAR: f32 = 0.92;
+/// The first step of the times of keys, in seconds; the share of the bound that rounding them may take;
+/// the factor by which the step becomes finer, and how often it may.
+const TIME_STEP: f32 = 1.0 / 8192.0;
+const TIME_SHARE: f32 = 0.1;
+const FINER: f32 = 0.25;
+const FINEST: usize = 8;
 
 /// A clip with fewer keys, and the steps of its values.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct OptimizedClip {
     pub(super) clip: RawClip,
-    /// The step of the values of each channel: radians for rotations, else their unit. Empty if all are
-    /// exact.
-    pub(super) steps: Vec<f32>,
-}
-
-/// The step of the times of keys in seconds: at 10 m/s it is a tenth of the bound.
-pub(super) fn time_step(bound: f32) -> f32 {
-    (0.02 * bound).clamp(1e-6, 1.0 / 4096.0)
+    /// The steps of the keys of each channel. Empty if all are exact.
+    pub(super) steps: Vec<KeySteps>,
 }
 
 /// The character whose clips are made smaller, and its mesh as it will be stored.
 pub(super) struct Subject<'a> {
     source: &'a Source,
     stored: &'a Source,
-    bound: f32,
     subject: EditSubject<'a>,
 }
 
 impl<'a> Subject<'a> {
-    /// `bound` is that of the whole file, in metres.
-    pub(super) fn new(source: &'a Source, stored: &'a Source, bound: f32) -> Result<Self> {
+    pub(super) fn new(source: &'a Source, stored: &'a Source) -> Result<Self> {
         let character = &source.character;
         let joints = Articulation::unmapped(character.skeleton.joints.len());
         Ok(Self {
             source,
             stored,
-            bound,
             subject: EditSubject::new(character, joints, &[])?,
         })
     }
@@ -68,15 +65,14 @@ impl<'a> Subject<'a> {
             true => &[Timelines::Shared, Timelines::Own][..],
             false => &[Timelines::Own],
         };
+        let times_secs = self.time_step(clip, bound, options)?;
         let mut least = self.unchanged(index);
         let mut bytes = usize::MAX;
         for timelines in kinds {
-            let found = self.within(clip, bound, *timelines, options);
+            let found = self.within(clip, (bound, times_secs), *timelines, options);
             let found = found.with_context(|| format!("clip \"{}\"", clip.name))?;
-            let step = time_step(self.bound);
-            let needs = |c: &OptimizedClip| {
-                compressed_clip_bytes(&c.clip, &c.steps, step, options.compression)
-            };
+            let needs =
+                |c: &OptimizedClip| compressed_clip_bytes(&c.clip, &c.steps, options.compression);
             if let Some(found) = found.filter(|found| needs(found) < bytes) {
                 (bytes, least) = (needs(&found), found);
             }
@@ -92,11 +88,31 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// The step of the times of keys by which the fastest motion of a clip errs by a share of the bound.
+    fn time_step(&self, clip: &RawClip, bound: f32, options: &OptimizeOptions) -> Result<f32> {
+        let (mut from, mut to) = (self.source.posed()?, self.source.posed()?);
+        let mut times_secs = TIME_STEP;
+        for _ in 0..FINEST {
+            let exact = KeySteps {
+                values: 0.0,
+                times_secs,
+            };
+            let shown = rounded(clip, &vec![exact; clip.channels.len()]);
+            let wanted = (&mut from, Some(clip));
+            let error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
+            if error <= TIME_SHARE * bound {
+                break;
+            }
+            times_secs *= FINER;
+        }
+        Ok(times_secs)
+    }
+
     /// A clip whose error is within the bound and near it, if one was found.
     fn within(
         &self,
         clip: &RawClip,
-        bound: f32,
+        (bound, times_secs): (f32, f32),
         timelines: Timelines,
         options: &OptimizeOptions,
     ) -> Result<Option<OptimizedClip>> {
@@ -105,8 +121,8 @@ impl<'a> Subject<'a> {
         let (mut scale, mut over) = (1.0f32, f32::INFINITY);
         let mut best: Option<(f32, OptimizedClip)> = None;
         for _ in 0..TRIES {
-            let tried = self.tried(clip, scale * bound, timelines, options)?;
-            let shown = rounded(&tried.clip, &tried.steps, time_step(self.bound));
+            let tried = self.tried(clip, (scale * bound, times_secs), timelines, options)?;
+            let shown = rounded(&tried.clip, &tried.steps);
             let wanted = (&mut from, Some(clip));
             let error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
             let ratio = (AIM * bound / error.max(1e-3 * bound)).clamp(0.25, 2.0);
@@ -130,7 +146,7 @@ impl<'a> Subject<'a> {
     fn tried(
         &self,
         clip: &RawClip,
-        bound: f32,
+        (bound, times_secs): (f32, f32),
         timelines: Timelines,
         options: &OptimizeOptions,
     ) -> Result<OptimizedClip> {
@@ -144,7 +160,13 @@ impl<'a> Subject<'a> {
         } else {
             clip.clone()
         };
-        let steps = value_tolerances(&self.subject, &clip, VALUE_SHARE * bound)?;
-        Ok(OptimizedClip { clip, steps })
+        let values = value_tolerances(&self.subject, &clip, VALUE_SHARE * bound)?;
+        let steps = values
+            .into_iter()
+            .map(|values| KeySteps { values, times_secs });
+        Ok(OptimizedClip {
+            steps: steps.collect(),
+            clip,
+        })
     }
 }

@@ -134,7 +134,7 @@ fn optimized(
     let mut allowed = vec![bound; clips.len()];
     for round in 0..ROUNDS {
         let open: Vec<usize> = (0..clips.len()).filter(|c| clips[*c].is_none()).collect();
-        let subject = Subject::new(&source, &mesh, bound)?;
+        let subject = Subject::new(&source, &mesh)?;
         let made = work.map("reducing keys", open, |c| {
             let is_reduced = round < ROUNDS_OF_CLIPS && allowed[c] > LEAST_SHARE * bound;
             let made = match is_reduced && !source.keeps_arrays() {
@@ -147,7 +147,7 @@ fn optimized(
             clips[c] = Some(clip);
         }
         let written: Vec<&OptimizedClip> = clips.iter().flatten().collect();
-        let glb = source.written(&written, &precision, bound, options)?;
+        let glb = source.written(&written, &precision, options)?;
         let shown = Source::read(&glb)?;
         let errors = Errors::measured(&source, &shown, options, work)?;
         if errors.greatest() <= bound {

@@ -4,22 +4,20 @@
 //! written file is measured again.
 
 use articula_core::source::{Channel, Interpolation, Property, RawClip};
-use articula_formats::gltf::{key_time_step, rotation_units};
+use articula_formats::gltf::{KeySteps, key_time_step, rotation_units};
 
 /// A clip whose values are rounded to the steps of their channels.
-pub(super) fn rounded(clip: &RawClip, steps: &[f32], times_secs: f32) -> RawClip {
+pub(super) fn rounded(clip: &RawClip, steps: &[KeySteps]) -> RawClip {
     let channels = clip.channels.iter().zip(steps);
     RawClip {
-        channels: channels
-            .map(|(c, step)| of_channel(c, *step, times_secs))
-            .collect(),
+        channels: channels.map(|(c, step)| of_channel(c, *step)).collect(),
         ..clip.clone()
     }
 }
 
-fn of_channel(channel: &Channel, step: f32, times_secs: f32) -> Channel {
+fn of_channel(channel: &Channel, steps: KeySteps) -> Channel {
     let mut out = channel.clone();
-    let unit = power_below(key_time_step(&out.times_secs, times_secs));
+    let unit = power_below(key_time_step(&out.times_secs, steps.times_secs));
     let times = out.times_secs.iter().map(|t| (t / unit).round() * unit);
     let times: Vec<f32> = times.collect();
     if times.is_sorted_by(|a, b| a < b) {
@@ -30,12 +28,18 @@ fn of_channel(channel: &Channel, step: f32, times_secs: f32) -> Channel {
     {
         return out;
     }
-    if channel.property == Property::Rotation {
-        let turns = out.values.as_chunks_mut::<4>().0;
-        turns.iter_mut().for_each(|q| *q = rotation(*q, step));
+    // Only the times are rounded.
+    if steps.values == 0.0 {
         return out;
     }
-    let unit = power_below(step);
+    if channel.property == Property::Rotation {
+        let turns = out.values.as_chunks_mut::<4>().0;
+        turns
+            .iter_mut()
+            .for_each(|q| *q = rotation(*q, steps.values));
+        return out;
+    }
+    let unit = power_below(steps.values);
     for x in &mut out.values {
         *x = (*x / unit).round() * unit;
     }

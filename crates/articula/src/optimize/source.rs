@@ -1,7 +1,7 @@
 //! The character before anything is rounded, and files that are written of it.
 
 use super::OptimizeOptions;
-use super::clip::{OptimizedClip, time_step};
+use super::clip::OptimizedClip;
 use crate::convert;
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Format, GltfSource, OpenOptions, open};
@@ -9,11 +9,13 @@ use articula_build::PosedVertices;
 use articula_core::source::Character;
 use articula_formats::Limits;
 use articula_formats::gltf::{
-    self, ArrayPrecision, BytesByKind, Compression, Document, WeightPrecision,
+    self, ArrayPrecision, BytesByKind, Compression, Document, KeySteps, WeightPrecision,
 };
 
-/// Share of the error for the rounding of positions. Halving it costs three bits a vertex.
+/// Share of the error for the rounding of positions, with clips and without. Halving it costs three bits
+/// a vertex.
 const MESH_SHARE: f32 = 0.25;
+const STILL_SHARE: f32 = 0.5;
 /// Step of texture coordinates: a quarter of a texel of 1024.
 const TEXCOORD_STEP: f32 = 1.0 / 4096.0;
 
@@ -36,6 +38,10 @@ impl MeshPrecision {
     pub(super) fn of(source: &Source, bound: f32) -> Self {
         let document = &source.file.document;
         let rest = source.character.skeleton.model_rest();
+        let share = match source.character.clips.is_empty() {
+            true => STILL_SHARE,
+            false => MESH_SHARE,
+        };
         let mut steps = vec![f32::INFINITY; document.mesh_count()];
         for (mesh, node) in source
             .character
@@ -54,7 +60,7 @@ impl MeshPrecision {
             });
             let scale = scale.fold(0.0, f32::max).max(1e-9);
             // Half a step in each of three axes.
-            let step = 2.0 * MESH_SHARE * bound / (3.0f32.sqrt() * scale);
+            let step = 2.0 * share * bound / (3.0f32.sqrt() * scale);
             steps[index] = steps[index].min(step);
         }
         // Meshes that the character does not show keep their precision.
@@ -77,12 +83,11 @@ impl MeshPrecision {
         }
     }
 
-    fn arrays(&self, samplers: Vec<Vec<Option<f32>>>, times_secs: f32) -> ArrayPrecision {
+    fn arrays(&self, samplers: Vec<Vec<Option<KeySteps>>>) -> ArrayPrecision {
         ArrayPrecision {
             positions: self.positions.clone(),
             samplers,
             texcoords: TEXCOORD_STEP,
-            times_secs,
             weights: self.weights,
         }
     }
@@ -138,7 +143,7 @@ impl Source {
 
     /// The same with meshes as the file that is written will have them.
     pub(super) fn with_rounded_mesh(&self, precision: &MeshPrecision) -> Result<Self> {
-        let arrays = precision.arrays(Vec::new(), 0.0);
+        let arrays = precision.arrays(Vec::new());
         let document = &self.file.document;
         Self::read(&document.write_compressed(Compression::None, &arrays)?)
     }
@@ -148,7 +153,6 @@ impl Source {
         &self,
         clips: &[&OptimizedClip],
         precision: &MeshPrecision,
-        bound: f32,
         options: &OptimizeOptions,
     ) -> Result<Vec<u8>> {
         let mut document: Document = self.file.document.clone();
@@ -162,7 +166,7 @@ impl Source {
             let step = |c: &Option<usize>| c.and_then(|c| clip.steps.get(c).copied());
             held.iter().map(step).collect()
         });
-        let arrays = precision.arrays(samplers.collect(), time_step(bound));
+        let arrays = precision.arrays(samplers.collect());
         document.compact();
         Ok(document.write_compressed(options.compression, &arrays)?)
     }

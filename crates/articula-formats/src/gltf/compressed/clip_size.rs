@@ -1,7 +1,7 @@
 //! Size of a clip in a compressed document, without writing it.
 
-use super::Compression;
 use super::element::{Elements, key_times, key_values};
+use super::{Compression, KeySteps};
 use crate::meshopt::ViewLayout;
 use crate::meshopt::encode::{Bitstream, encode};
 use articula_core::source::RawClip;
@@ -17,8 +17,7 @@ const JSON_OF_TIMES: usize = 125;
 #[must_use]
 pub fn compressed_clip_bytes(
     clip: &RawClip,
-    steps: &[f32],
-    times_secs: f32,
+    steps: &[KeySteps],
     compression: Compression,
 ) -> usize {
     let mut streams: BTreeMap<(u8, usize), Elements> = BTreeMap::new();
@@ -29,9 +28,12 @@ pub fn compressed_clip_bytes(
         let times = channel.times_secs.iter().map(|t| t.to_bits()).collect();
         if timelines.insert(times) {
             json += JSON_OF_TIMES;
-            add(&mut streams, key_times(&channel.times_secs, times_secs));
+            add(
+                &mut streams,
+                key_times(&channel.times_secs, step.times_secs),
+            );
         }
-        add(&mut streams, key_values(channel, *step));
+        add(&mut streams, key_values(channel, step.values));
     }
     let version = match compression {
         Compression::Khr => Bitstream::V1,

@@ -110,7 +110,7 @@ pub(super) fn elements<'a>(
         Role::NormalOffsets => Some(Elements::stepped(&floats, width, NORMAL_STEP)),
         Role::Texcoords => Some(Elements::stepped(&floats, width, precision.texcoords)),
         Role::Values(step) => Some(Elements::stepped(&floats, width, step)),
-        Role::Times => Some(key_times(&floats, precision.times_secs)),
+        Role::Times(step) => Some(key_times(&floats, step)),
         Role::Normals if width == 3 => unit_vectors(&floats, 3),
         Role::Tangents if width == 4 => unit_vectors(&floats, 4),
         Role::Colors => Some(colors(&floats, width)),
@@ -132,7 +132,7 @@ fn exact(accessor: &Accessor<'_>, role: Role) -> Result<Elements, ReadError> {
             None => bytes.resize(bytes.len() + size, 0),
         }
     }
-    let is_bounded = matches!(role, Role::Positions(_) | Role::Times)
+    let is_bounded = matches!(role, Role::Positions(_) | Role::Times(_))
         || accessor.place().has("min")
         || accessor.place().has("max");
     let whole = size.is_multiple_of(4);

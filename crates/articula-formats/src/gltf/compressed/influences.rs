@@ -8,6 +8,7 @@ use super::super::reader::Reader;
 use super::WeightPrecision;
 use super::element::Elements;
 use crate::error::ReadError;
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Component types of glTF.
@@ -16,6 +17,8 @@ const U16: u32 = 5123;
 
 /// Accessors of the joints and weights of a set of four influences.
 type Set = (usize, usize);
+/// A joint, and its weight as a part of a whole.
+type Influence = (u32, u32);
 
 /// The joints and weights of all primitives, by accessor; without those whose weights are integers or
 /// sum to nothing, or whose sets differ between primitives.
@@ -83,57 +86,64 @@ fn sets(primitive: &Place<'_>) -> Vec<Set> {
     (0..).map_while(set).collect()
 }
 
-/// The influences of each set, as joints and parts of a whole: of each vertex the greatest first, over
-/// all sets. `None` if they are not four floats each.
+/// The influences of each set, of each vertex the greatest first over all sets. `None` if they are not
+/// four floats each.
 fn sorted(
     reader: &mut Reader<'_>,
     group: &[Set],
     whole: u32,
-) -> Result<Option<Vec<Vec<(u32, u32)>>>, ReadError> {
+) -> Result<Option<Vec<Vec<Influence>>>, ReadError> {
     let mut read = Vec::with_capacity(group.len());
-    for (joints, weights) in group {
-        let places = [joints, weights].map(|i| reader.root.entry("accessors", *i));
-        let [Some(joints), Some(weights)] = places else {
-            return Ok(None);
-        };
-        let (joints, weights) = (reader.accessor_at(joints)?, reader.accessor_at(weights)?);
-        let is_usual = !joints.is_float() && weights.is_float();
-        if !is_usual || joints.width() != 4 || weights.width() != 4 {
-            return Ok(None);
+    for set in group {
+        match numbers(reader, set)? {
+            Some(numbers) => read.push(numbers),
+            None => return Ok(None),
         }
-        read.push((reader.integers(&joints)?, reader.floats(&weights)?));
     }
-    let length = read.first().map_or(0, |(joints, _)| joints.len());
-    let is_long = |(joints, weights): &(Vec<u32>, Vec<f32>)| {
-        joints.len() == length && weights.len() == length
-    };
+    let length = read.first().map_or(0, |set| set.joints.len());
+    let is_long = |set: &Numbers| set.joints.len() == length && set.weights.len() == length;
     if length == 0 || !read.iter().all(is_long) {
         return Ok(None);
     }
     let mut out = vec![Vec::with_capacity(length); group.len()];
     for v in (0..length).step_by(4) {
-        let of_vertex = |pick: fn(&(Vec<u32>, Vec<f32>), usize) -> (u32, f32)| {
-            let each = read
-                .iter()
-                .flat_map(|set| (v..v + 4).map(move |i| pick(set, i)));
-            each.collect::<Vec<_>>()
-        };
-        let pairs = of_vertex(|(joints, weights), i| (joints[i], weights[i]));
-        let weights: Vec<f32> = pairs.iter().map(|(_, weight)| *weight).collect();
-        let Some(parts) = of_whole(&weights, whole) else {
+        let weights = read.iter().flat_map(|set| &set.weights[v..v + 4]).copied();
+        let Some(parts) = of_whole(&weights.collect::<Vec<f32>>(), whole) else {
             return Ok(None);
         };
-        let joints = pairs.iter().map(|(joint, _)| *joint);
-        let mut influences: Vec<(u32, u32)> = joints
+        let joints = read.iter().flat_map(|set| &set.joints[v..v + 4]).copied();
+        let mut influences: Vec<Influence> = joints
             .zip(parts)
             .map(|(joint, part)| (if part == 0 { 0 } else { joint }, part))
             .collect();
-        influences.sort_by_key(|(joint, part)| (std::cmp::Reverse(*part), *joint));
+        influences.sort_by_key(|(joint, part)| (Reverse(*part), *joint));
         for (set, four) in out.iter_mut().zip(influences.chunks(4)) {
             set.extend_from_slice(four);
         }
     }
     Ok(Some(out))
+}
+
+/// The numbers of a set, four joints and weights for each vertex.
+struct Numbers {
+    joints: Vec<u32>,
+    weights: Vec<f32>,
+}
+
+fn numbers(reader: &mut Reader<'_>, (joints, weights): &Set) -> Result<Option<Numbers>, ReadError> {
+    let places = [joints, weights].map(|i| reader.root.entry("accessors", *i));
+    let [Some(joints), Some(weights)] = places else {
+        return Ok(None);
+    };
+    let (joints, weights) = (reader.accessor_at(joints)?, reader.accessor_at(weights)?);
+    let is_usual = !joints.is_float() && weights.is_float();
+    if !is_usual || joints.width() != 4 || weights.width() != 4 {
+        return Ok(None);
+    }
+    Ok(Some(Numbers {
+        joints: reader.integers(&joints)?,
+        weights: reader.floats(&weights)?,
+    }))
 }
 
 /// Weights as parts of a whole: rounded down, and the rest where most was lost. `None` if they

@@ -39,15 +39,23 @@ pub struct ArrayPrecision {
     /// For each mesh of the document, the step of positions and of their offsets by morph targets, in
     /// its units.
     pub positions: Vec<f32>,
-    /// For each animation, the step of the values of each of its samplers: in radians for rotations,
-    /// else in the unit of the values. Splines, and samplers without a step, keep theirs.
-    pub samplers: Vec<Vec<Option<f32>>>,
+    /// For each animation, the steps of the keys of each of its samplers. Samplers without steps keep
+    /// theirs.
+    pub samplers: Vec<Vec<Option<KeySteps>>>,
     /// Step of texture coordinates, which are 1 over the width of a texture.
     pub texcoords: f32,
-    /// Step of the times of keys, in seconds. Times that would become equal keep a finer one.
-    pub times_secs: f32,
     /// Storage of the weights of influences.
     pub weights: WeightPrecision,
+}
+
+/// Precision of the keys of a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeySteps {
+    /// Step of the values: in radians for rotations, else in their unit. Splines keep their values.
+    pub values: f32,
+    /// Step of the times, in seconds. Times that are close together have a [finer
+    /// one](key_time_step).
+    pub times_secs: f32,
 }
 
 /// Storage of the weights of influences. The weights of each vertex sum to 1.

@@ -2,7 +2,7 @@
 
 use super::super::append::{entries_mut, index};
 use super::super::extension::CLUSTERED_MESH;
-use super::ArrayPrecision;
+use super::{ArrayPrecision, KeySteps};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -23,8 +23,8 @@ pub(super) enum Role {
     Triangles,
     /// Other indices of vertices.
     Indices,
-    /// Times of keys.
-    Times,
+    /// Times of keys: step in seconds.
+    Times(f32),
     /// Rotations of keys: step in radians.
     Rotations(f32),
     /// Translations, scales and weights of keys: step in their units.
@@ -40,6 +40,7 @@ impl Role {
             (Self::Positions(a), Self::Positions(b)) => Self::Positions(a.min(b)),
             (Self::Rotations(a), Self::Rotations(b)) => Self::Rotations(a.min(b)),
             (Self::Values(a), Self::Values(b)) => Self::Values(a.min(b)),
+            (Self::Times(a), Self::Times(b)) => Self::Times(a.min(b)),
             (a, b) if a == b => a,
             _ => Self::Exact,
         }
@@ -127,7 +128,7 @@ impl Roles {
         }
     }
 
-    fn animation(&mut self, animation: &Value, steps: &[Option<f32>]) {
+    fn animation(&mut self, animation: &Value, steps: &[Option<KeySteps>]) {
         let list = |key| animation.get(key).and_then(Value::as_array);
         let mut paths: BTreeMap<usize, &str> = BTreeMap::new();
         for channel in list("channels").into_iter().flatten() {
@@ -145,17 +146,13 @@ impl Roles {
             let is_spline = interpolation == Some("CUBICSPLINE");
             let step = steps.get(s).copied().flatten();
             let role = match (step, paths.get(&s)) {
-                (Some(step), Some(&"rotation")) if !is_spline => Role::Rotations(step),
+                (Some(step), Some(&"rotation")) if !is_spline => Role::Rotations(step.values),
                 (Some(step), Some(&("translation" | "scale" | "weights"))) if !is_spline => {
-                    Role::Values(step)
+                    Role::Values(step.values)
                 }
                 _ => Role::Exact,
             };
-            let times = if step.is_some() {
-                Role::Times
-            } else {
-                Role::Exact
-            };
+            let times = step.map_or(Role::Exact, |step| Role::Times(step.times_secs));
             self.add(index(sampler, "input"), times);
             self.add(index(sampler, "output"), role);
         }
@@ -200,10 +197,13 @@ mod tests {
                     {"input": 7, "output": 10, "interpolation": "CUBICSPLINE"}],
             }],
         });
+        let keys = |values| {
+            let times_secs = 1e-4;
+            Some(KeySteps { values, times_secs })
+        };
         let precision = ArrayPrecision {
             positions: vec![0.5, 0.25],
-            samplers: vec![vec![Some(0.1), Some(0.2), Some(0.3)]],
-            times_secs: 1e-4,
+            samplers: vec![[0.1, 0.2, 0.3].map(keys).into()],
             texcoords: 1e-3,
             weights: super::super::WeightPrecision::Byte,
         };
@@ -216,7 +216,7 @@ mod tests {
             Role::Positions(0.5),
             Role::NormalOffsets,
             Role::Indices,
-            Role::Times,
+            Role::Times(1e-4),
             Role::Rotations(0.1),
             Role::Values(0.2),
             Role::Exact,

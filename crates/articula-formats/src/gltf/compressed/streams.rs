@@ -436,7 +436,7 @@ fn filter(filter: Filter) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gltf::WeightPrecision;
+    use crate::gltf::{KeySteps, WeightPrecision};
 
     /// Two primitives: positions of floats and of integers, of which the first two vertices of each are
     /// equal after rounding; one animation with two rotations that round to the same.
@@ -488,11 +488,14 @@ mod tests {
     }
 
     fn precision() -> ArrayPrecision {
+        let keys = KeySteps {
+            values: 0.01,
+            times_secs: 0.1,
+        };
         ArrayPrecision {
             positions: vec![0.25],
-            samplers: vec![vec![Some(0.01), Some(0.01)]],
+            samplers: vec![vec![Some(keys); 2]],
             texcoords: 0.1,
-            times_secs: 0.1,
             weights: WeightPrecision::Byte,
         }
     }
