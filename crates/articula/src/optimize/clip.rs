@@ -1,6 +1,7 @@
 //! Fewer keys and rounded values for one clip, at an error that is measured.
 
 use super::OptimizeOptions;
+use super::optimized_clip::OptimizedClip;
 use super::rounding::rounded;
 use super::source::Source;
 use crate::error::{Context, Result};
@@ -26,14 +27,6 @@ const TIME_STEP: f32 = 1.0 / 8192.0;
 const TIME_SHARE: f32 = 0.1;
 const FINER: f32 = 0.25;
 const FINEST: usize = 8;
-
-/// A clip with fewer keys, and the steps of its values.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct OptimizedClip {
-    pub(super) clip: RawClip,
-    /// The steps of the keys of each channel. Empty if all are exact.
-    pub(super) steps: Vec<KeySteps>,
-}
 
 /// The character whose clips are made smaller, and its mesh as it will be stored.
 pub(super) struct Subject<'a> {

@@ -1,13 +1,14 @@
 //! A character file in fewer bytes, at an error in motion that is measured on the written file.
 //!
 //! - `source`: the character before anything is rounded, and files that are written of it
-//! - `clip`: fewer keys and rounded values for one clip
+//! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `rounding`: clips as they read after rounding
 //! - `report`: what was saved, and the errors
 //!
 //! Source: ours; `docs/methods/optimize.md`.
 
 mod clip;
+mod optimized_clip;
 mod report;
 mod rounding;
 mod source;
@@ -19,7 +20,8 @@ use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use crate::work::Executor;
 use articula_build::greatest_vertex_error;
-use clip::{OptimizedClip, Subject};
+use clip::Subject;
+use optimized_clip::OptimizedClip;
 use source::{MeshPrecision, Source};
 
 /// Greatest error in motion that is allowed, of any vertex at any time.

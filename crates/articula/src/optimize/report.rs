@@ -1,7 +1,7 @@
 //! What was saved, and the errors.
 
 use super::Errors;
-use super::clip::OptimizedClip;
+use super::optimized_clip::OptimizedClip;
 use super::source::Source;
 use crate::open::CharacterFile;
 use articula_core::source::RawClip;

@@ -1,7 +1,7 @@
 //! The character before anything is rounded, and files that are written of it.
 
 use super::OptimizeOptions;
-use super::clip::OptimizedClip;
+use super::optimized_clip::OptimizedClip;
 use crate::convert;
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Format, GltfSource, OpenOptions, open};
