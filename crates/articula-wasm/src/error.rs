@@ -64,7 +64,7 @@ impl Fault {
     }
 
     /// A request for more memory than there is.
-    #[cfg(feature = "play")]
+    #[cfg(any(feature = "play", feature = "tools"))]
     pub(crate) fn too_large(message: impl Into<String>) -> Self {
         Self {
             code: "too-large",
