@@ -5,6 +5,7 @@
 // if one exceeds MM.
 
 import { AnimationMixer, LoopOnce, Vector3 } from "three";
+import { random } from "./random.mjs";
 import { openScene } from "./scene.mjs";
 
 const [source, file, bound] = process.argv.slice(2);
@@ -15,17 +16,6 @@ if (!bound) {
 
 const TIMES = 6;
 const VERTICES = 150;
-
-/** Mulberry32: seeded numbers in [0, 1). */
-function random(seed) {
-  let state = seed >>> 0;
-  return () => {
-    state = (state + 0x6d2b79f5) >>> 0;
-    let t = Math.imul(state ^ (state >>> 15), state | 1);
-    t ^= t + Math.imul(t ^ (t >>> 7), t | 61);
-    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
-  };
-}
 
 /** Poses the scene at a time of a clip, or at rest. */
 function pose({ gltf, mixer }, name, time) {

@@ -12,6 +12,7 @@ import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, extname, join } from "node:path";
 import { AnimationMixer, LoopOnce, Vector3 } from "three";
+import { random } from "./random.mjs";
 import { openScene } from "./scene.mjs";
 
 const { BVHLoader } = await import("three/addons/loaders/BVHLoader.js");
@@ -27,17 +28,6 @@ const BVH_MM = 0.2;
 /** Parts of a prepared asset that show no clip by themselves. */
 const NOT_CLIPS =
   "joint-levels,skins,bounds,paired-levels,pose-cache,joint-keys,pose-keys,error-matrix,contacts,compact-clips";
-
-/** Mulberry32: seeded numbers in [0, 1). */
-function random(seed) {
-  let state = seed >>> 0;
-  return () => {
-    state = (state + 0x6d2b79f5) >>> 0;
-    let t = Math.imul(state ^ (state >>> 15), state | 1);
-    t ^= t + Math.imul(t ^ (t >>> 7), t | 61);
-    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
-  };
-}
 
 /** Plays a clip below a root from its beginning to each time and calls `show`. */
 function play(root, clip, times, show) {

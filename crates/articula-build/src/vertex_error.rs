@@ -6,6 +6,7 @@ use articula_core::{
     Articulation, LocalPose, Mesh, Mismatch, ModelPose, Rig, local_to_model, palette,
 };
 use glam::{Affine3A, Vec3, Vec3A};
+use std::sync::Arc;
 
 /// Maximum number of times of a clip that are posed, of its keys and the middles between them.
 const MAX_TIMES: usize = 1500;
@@ -13,11 +14,12 @@ const MAX_TIMES: usize = 1500;
 const RANDOM_TIMES: usize = 32;
 
 /// A character whose vertices can be posed at any time of a clip.
-#[derive(Debug)]
+/// Copies share its rig and mesh.
+#[derive(Debug, Clone)]
 pub struct PosedVertices<'a> {
     character: &'a Character,
-    rig: Rig,
-    mesh: Mesh,
+    rig: Arc<Rig>,
+    mesh: Arc<Mesh>,
     local: LocalPose,
     model: ModelPose,
     palette: Vec<Affine3A>,
@@ -41,8 +43,8 @@ impl<'a> PosedVertices<'a> {
             palette: vec![Affine3A::IDENTITY; mesh.bindings.len()],
             weights: mesh.morph_weights.clone(),
             points: Vec::new(),
-            rig,
-            mesh,
+            rig: Arc::new(rig),
+            mesh: Arc::new(mesh),
         })
     }
 

@@ -8,8 +8,8 @@ use crate::error::ReadError;
 use std::collections::BTreeMap;
 
 /// Storage type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Component {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(super) enum Component {
     I8,
     U8,
     I16,
@@ -31,7 +31,8 @@ impl Component {
         })
     }
 
-    fn code(self) -> u32 {
+    /// Its code in the format.
+    pub(super) fn code(self) -> u32 {
         match self {
             Self::I8 => 5120,
             Self::U8 => 5121,
@@ -144,9 +145,8 @@ impl Accessor<'_> {
         self.width
     }
 
-    /// The code of its component type in the format.
-    pub(super) fn component_code(&self) -> u32 {
-        self.component.code()
+    pub(super) fn component(&self) -> Component {
+        self.component
     }
 
     pub(super) fn is_normalized(&self) -> bool {

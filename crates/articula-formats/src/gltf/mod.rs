@@ -89,8 +89,7 @@ mod write;
 
 pub use clustered::{MeshParts, PartLevels};
 pub use compressed::{
-    ArrayPrecision, Compression, KeySteps, WeightPrecision, compressed_clip_bytes, key_time_step,
-    rotation_units,
+    ArrayPrecision, Compression, KeySteps, WeightPrecision, compressed_clip_bytes, rounded_clip,
 };
 pub use document::Document;
 pub use exchange::{MeshGeometry, placeholder};

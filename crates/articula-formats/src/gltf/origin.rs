@@ -86,25 +86,35 @@ impl Document {
         let origin = parts.get(part).ok_or_else(none)?;
         let primitive = mesh.entry("primitives", origin.primitive);
         let primitive = primitive.ok_or_else(none)?;
-        let mut classes = vec![0; origin.vertices.len()];
-        for index in vertex_arrays(&primitive)? {
-            let accessor = reader.accessor(&index)?;
-            let overlay = accessor.overlay()?;
-            // Classes of the arrays so far and the bytes of this one map to new classes.
-            let mut first = HashMap::new();
-            for ((v, class), raw) in (0u32..).zip(&mut classes).zip(&origin.vertices) {
-                let raw = *raw as usize;
-                if raw >= accessor.count {
-                    return Err(index.malformed("fewer elements than vertices"));
-                }
-                let bytes = overlay.get(&raw).copied().or_else(|| accessor.stored(raw));
-                // Stored zeros equal implicit zeros.
-                let bytes = bytes.filter(|b| b.iter().any(|byte| *byte != 0));
-                *class = *first.entry((*class, bytes)).or_insert(v);
-            }
-        }
-        Ok(classes)
+        classes(&reader, &primitive, &origin.vertices)
     }
+}
+
+/// Returns for each of some vertices of a primitive, given by their places in its arrays, the lowest
+/// index among them of one that is equal in every byte.
+pub(super) fn classes(
+    reader: &Reader<'_>,
+    primitive: &Place<'_>,
+    vertices: &[u32],
+) -> Result<Vec<u32>, ReadError> {
+    let mut classes = vec![0; vertices.len()];
+    for index in vertex_arrays(primitive)? {
+        let accessor = reader.accessor(&index)?;
+        let overlay = accessor.overlay()?;
+        // Classes of the arrays so far and the bytes of this one map to new classes.
+        let mut first = HashMap::new();
+        for ((v, class), raw) in (0u32..).zip(&mut classes).zip(vertices) {
+            let raw = *raw as usize;
+            if raw >= accessor.count {
+                return Err(index.malformed("fewer elements than vertices"));
+            }
+            let bytes = overlay.get(&raw).copied().or_else(|| accessor.stored(raw));
+            // Stored zeros equal implicit zeros.
+            let bytes = bytes.filter(|b| b.iter().any(|byte| *byte != 0));
+            *class = *first.entry((*class, bytes)).or_insert(v);
+        }
+    }
+    Ok(classes)
 }
 
 /// Returns the members of a primitive that refer to an array with one element per vertex.

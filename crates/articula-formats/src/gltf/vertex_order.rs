@@ -6,7 +6,7 @@
 use super::append::{Use, entries_mut, set};
 use super::arrays::{Reordered, reordered};
 use super::document::Document;
-use super::origin::vertex_arrays;
+use super::origin::{classes, vertex_arrays};
 use super::place::Place;
 use super::primitive;
 use super::reader::{Notes, Reader};
@@ -14,7 +14,7 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use meshoptimizer_rs::{Workspace, optimize_vertex_cache};
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The one extension of primitives that does not depend on their vertices.
 const VARIANTS: &str = "KHR_materials_variants";
@@ -143,7 +143,8 @@ fn shared(
     let Some(count) = outlines.first().map(|(count, _)| *count) else {
         return Ok(None);
     };
-    let classes = equal_vertices(reader, &places[0], count)?;
+    let vertices: Vec<u32> = (0..count as u32).collect();
+    let classes = classes(reader, &places[0], &vertices)?;
     let mut workspace = Workspace::default();
     let mut triangles = Vec::with_capacity(outlines.len());
     for (_, of_primitive) in &outlines {
@@ -190,26 +191,6 @@ fn named<'a>(
         out.push((name.to_owned(), reordered(reader, &index, order)?));
     }
     Ok(out)
-}
-
-/// For each vertex the first one that is equal to it in every byte.
-fn equal_vertices(
-    reader: &mut Reader<'_>,
-    primitive: &Place<'_>,
-    count: usize,
-) -> Result<Vec<u32>, ReadError> {
-    let mut classes = vec![0u32; count];
-    for index in vertex_arrays(primitive)? {
-        let accessor = reader.accessor(&index)?;
-        accessor.expect_count(count, "vertices")?;
-        let overlay = accessor.overlay()?;
-        let mut first = HashMap::new();
-        for (v, class) in classes.iter_mut().enumerate() {
-            let bytes = overlay.get(&v).copied().or_else(|| accessor.stored(v));
-            *class = *first.entry((*class, bytes)).or_insert(v as u32);
-        }
-    }
-    Ok(classes)
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 use super::Filter;
 
 /// Applies a filter in place; elements have `stride` bytes.
-pub(super) fn undo(filter: Filter, stride: usize, bytes: &mut [u8]) {
+pub(crate) fn undo(filter: Filter, stride: usize, bytes: &mut [u8]) {
     match (filter, stride) {
         (Filter::None, _) => {}
         (Filter::Octahedral, 4) => signed_bytes(bytes, |e| octahedral(e, 127.0)),

@@ -15,7 +15,7 @@
 
 mod attributes;
 pub(crate) mod encode;
-mod filter;
+pub(crate) mod filter;
 mod sequence;
 mod stream;
 mod triangles;

@@ -1,13 +1,8 @@
 //! A moving picture with what it costs and shows.
 
-use super::Publisher;
-use super::options::Flatten;
-use crate::long_options::read;
-use crate::opening::open_alone;
-use crate::progress::{ProgressCallback, run};
-use articula::Figure;
-use articula::flat::flatten::PrepareClipOptions;
-use articula::flatten::{FlattenReport, FramedCharacter, flatten_within};
+use super::{Publisher, flattened};
+use crate::error::Fault;
+use crate::progress::ProgressCallback;
 use wasm_bindgen::prelude::*;
 
 /// A moving picture, and its report.
@@ -43,20 +38,11 @@ impl Publisher {
         options: Option<String>,
         progress: Option<ProgressCallback>,
     ) -> Result<MeasuredPicture, JsValue> {
-        let options: Flatten = read(options.as_deref())?;
-        run(progress, name, |work| {
-            let mut opened = open_alone(bytes, name)?;
-            opened.put_in_place();
-            let figure = Figure::new(opened)?;
-            let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
-            let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
-            let (framed, flat) = flatten_within(framed, &clip, &settings, work)?;
-            let report = FlattenReport::new(name.to_owned(), &flat, &framed, settings.max_bytes);
-            let report = serde_json::to_string(&report);
-            Ok(MeasuredPicture {
-                bytes: flat.bytes,
-                report: report.map_err(|e| articula::Error::Write(Box::new(e)))?,
-            })
-        })
+        let (bytes, report) = flattened(bytes, name, options.as_deref(), progress)?;
+        let report = serde_json::to_string(&report).map_err(|error| {
+            let error = articula::Error::Write(Box::new(error));
+            Fault::of_file(&error, name)
+        })?;
+        Ok(MeasuredPicture { bytes, report })
     }
 }

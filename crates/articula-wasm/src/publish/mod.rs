@@ -9,7 +9,7 @@ use crate::opening::open_alone;
 use crate::progress::{ProgressCallback, run};
 use articula::Figure;
 use articula::flat::flatten::PrepareClipOptions;
-use articula::flatten::{FramedCharacter, flatten_within};
+use articula::flatten::{FlattenReport, FramedCharacter, flatten_within};
 use articula::item::package;
 use packaged::PackagedFile;
 use wasm_bindgen::prelude::*;
@@ -33,16 +33,7 @@ impl Publisher {
         options: Option<String>,
         progress: Option<ProgressCallback>,
     ) -> Result<Vec<u8>, JsValue> {
-        let options: options::Flatten = read(options.as_deref())?;
-        run(progress, name, |work| {
-            let mut opened = open_alone(bytes, name)?;
-            opened.put_in_place();
-            let figure = Figure::new(opened)?;
-            let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
-            let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
-            let (_, flat) = flatten_within(framed, &clip, &settings, work)?;
-            Ok(flat.bytes)
-        })
+        Ok(flattened(bytes, name, options.as_deref(), progress)?.0)
     }
 
     /// Packages a character as a digital item, the files of a folder from which a server sends parts. `options` is
@@ -59,4 +50,24 @@ impl Publisher {
         })?;
         Ok(item.files().into_iter().map(PackagedFile::new).collect())
     }
+}
+
+/// A moving picture of a file, and its report.
+fn flattened(
+    bytes: &[u8],
+    name: &str,
+    options: Option<&str>,
+    progress: Option<ProgressCallback>,
+) -> Result<(Vec<u8>, FlattenReport), JsValue> {
+    let options: options::Flatten = read(options)?;
+    run(progress, name, |work| {
+        let mut opened = open_alone(bytes, name)?;
+        opened.put_in_place();
+        let figure = Figure::new(opened)?;
+        let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
+        let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));
+        let (framed, flat) = flatten_within(framed, &clip, &settings, work)?;
+        let report = FlattenReport::new(name.to_owned(), &flat, &framed, settings.max_bytes);
+        Ok((flat.bytes, report))
+    })
 }

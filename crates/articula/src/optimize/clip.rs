@@ -2,16 +2,15 @@
 
 use super::OptimizeOptions;
 use super::optimized_clip::OptimizedClip;
-use super::rounding::rounded;
 use super::source::Source;
 use crate::error::{Context, Result};
 use articula_build::clip_edit::{
     EditSubject, ReduceOptions, Timelines, reduce_keys, value_tolerances,
 };
-use articula_build::greatest_vertex_error;
+use articula_build::{PosedVertices, greatest_vertex_error};
 use articula_core::Articulation;
 use articula_core::source::RawClip;
-use articula_formats::gltf::{KeySteps, compressed_clip_bytes};
+use articula_formats::gltf::{KeySteps, compressed_clip_bytes, rounded_clip};
 
 /// Parts of the error for keys and for the rounding of each value. Errors of a chain of joints add up, in
 /// part; the sum is measured, and the parts are scaled until it is near the bound.
@@ -31,7 +30,8 @@ const FINEST: usize = 8;
 /// The character whose clips are made smaller, and its mesh as it will be stored.
 pub(super) struct Subject<'a> {
     source: &'a Source,
-    stored: &'a Source,
+    wanted: PosedVertices<'a>,
+    stored: PosedVertices<'a>,
     subject: EditSubject<'a>,
 }
 
@@ -41,7 +41,8 @@ impl<'a> Subject<'a> {
         let joints = Articulation::unmapped(character.skeleton.joints.len());
         Ok(Self {
             source,
-            stored,
+            wanted: source.posed()?,
+            stored: stored.posed()?,
             subject: EditSubject::new(character, joints, &[])?,
         })
     }
@@ -58,7 +59,7 @@ impl<'a> Subject<'a> {
             true => &[Timelines::Shared, Timelines::Own][..],
             false => &[Timelines::Own],
         };
-        let times_secs = self.time_step(clip, bound, options)?;
+        let times_secs = self.time_step(clip, bound, options);
         let mut least = self.unchanged(index);
         let mut bytes = usize::MAX;
         for timelines in kinds {
@@ -82,15 +83,18 @@ impl<'a> Subject<'a> {
     }
 
     /// The step of the times of keys by which the fastest motion of a clip errs by a share of the bound.
-    fn time_step(&self, clip: &RawClip, bound: f32, options: &OptimizeOptions) -> Result<f32> {
-        let (mut from, mut to) = (self.source.posed()?, self.source.posed()?);
+    fn time_step(&self, clip: &RawClip, bound: f32, options: &OptimizeOptions) -> f32 {
+        let (mut from, mut to) = (self.wanted.clone(), self.wanted.clone());
         let mut times_secs = TIME_STEP;
         for _ in 0..FINEST {
-            let exact = KeySteps {
+            let steps = KeySteps {
                 values: 0.0,
                 times_secs,
             };
-            let shown = rounded(clip, &vec![exact; clip.channels.len()]);
+            let mut shown = rounded_clip(clip, &vec![steps; clip.channels.len()]);
+            for (shown, channel) in shown.channels.iter_mut().zip(&clip.channels) {
+                shown.values.clone_from(&channel.values);
+            }
             let wanted = (&mut from, Some(clip));
             let error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
             if error <= TIME_SHARE * bound {
@@ -98,7 +102,7 @@ impl<'a> Subject<'a> {
             }
             times_secs *= FINER;
         }
-        Ok(times_secs)
+        times_secs
     }
 
     /// A clip whose error is within the bound and near it, if one was found.
@@ -109,13 +113,12 @@ impl<'a> Subject<'a> {
         timelines: Timelines,
         options: &OptimizeOptions,
     ) -> Result<Option<OptimizedClip>> {
-        let mut from = self.source.posed()?;
-        let mut to = self.stored.posed()?;
+        let (mut from, mut to) = (self.wanted.clone(), self.stored.clone());
         let (mut scale, mut over) = (1.0f32, f32::INFINITY);
         let mut best: Option<(f32, OptimizedClip)> = None;
         for _ in 0..TRIES {
             let tried = self.tried(clip, (scale * bound, times_secs), timelines, options)?;
-            let shown = rounded(&tried.clip, &tried.steps);
+            let shown = rounded_clip(&tried.clip, &tried.steps);
             let wanted = (&mut from, Some(clip));
             let error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
             let ratio = (AIM * bound / error.max(1e-3 * bound)).clamp(0.25, 2.0);

@@ -2,7 +2,6 @@
 //!
 //! - `source`: the character before anything is rounded, and files that are written of it
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
-//! - `rounding`: clips as they read after rounding
 //! - `report`: what was saved, and the errors
 //!
 //! Source: ours; `docs/methods/optimize.md`.
@@ -10,7 +9,6 @@
 mod clip;
 mod optimized_clip;
 mod report;
-mod rounding;
 mod source;
 
 pub use articula_formats::gltf::{BytesByKind, Compression};
@@ -153,8 +151,12 @@ fn optimized(
         let shown = Source::read(&glb)?;
         let errors = Errors::measured(&source, &shown, options, work)?;
         if errors.greatest() <= bound {
-            let report = OptimizeReport::new(opened, &before, &source, &written, &errors, &glb);
-            let report = report.with_bound(bound);
+            let report = OptimizeReport {
+                bytes_in: opened.bytes(),
+                bound_mm: 1e3 * bound,
+                before,
+                ..OptimizeReport::new(&source, &written, &errors, &glb)
+            };
             return Ok(Optimized { glb, report });
         }
         if errors.rest > bound || round >= 2 {
@@ -217,8 +219,8 @@ impl Errors {
         let rest = greatest_vertex_error((&mut from, None), (&mut to, None), options.seed);
         let clips: Vec<usize> = (0..source.character.clips.len()).collect();
         let clips = work.map("measuring the error", clips, |c| {
-            let wanted = (&mut source.posed()?, source.character.clips.get(c));
-            let found = (&mut shown.posed()?, shown.character.clips.get(c));
+            let wanted = (&mut from.clone(), source.character.clips.get(c));
+            let found = (&mut to.clone(), shown.character.clips.get(c));
             Ok(greatest_vertex_error(wanted, found, options.seed))
         })?;
         Ok(Self { rest, clips })

@@ -3,7 +3,6 @@
 use super::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
-use crate::open::CharacterFile;
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;
 use serde::Serialize;
@@ -49,9 +48,8 @@ pub struct OptimizeReport {
 }
 
 impl OptimizeReport {
+    /// The report without what the source and the bound say.
     pub(super) fn new(
-        opened: &CharacterFile,
-        before: &BytesByKind,
         source: &Source,
         clips: &[&OptimizedClip],
         errors: &Errors,
@@ -60,9 +58,9 @@ impl OptimizeReport {
         let keys = |clip: &RawClip| clip.channels.iter().map(|c| c.times_secs.len()).sum();
         let pairs = source.character.clips.iter().zip(clips).zip(&errors.clips);
         Self {
-            bytes_in: opened.bytes(),
+            bytes_in: 0,
             bytes_out: glb.len(),
-            before: *before,
+            before: BytesByKind::default(),
             after: BytesByKind::of_glb(glb),
             bound_mm: 0.0,
             error_mm: 1e3 * errors.greatest(),
@@ -78,13 +76,6 @@ impl OptimizeReport {
                 })
                 .collect(),
             keeps_arrays: source.keeps_arrays(),
-        }
-    }
-
-    pub(super) fn with_bound(self, bound: f32) -> Self {
-        Self {
-            bound_mm: 1e3 * bound,
-            ..self
         }
     }
 }

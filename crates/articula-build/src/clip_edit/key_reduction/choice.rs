@@ -124,6 +124,10 @@ impl<'a> Choice<'a> {
             return (f32::NEG_INFINITY, f32::INFINITY);
         };
         let at = keys.partition_point(|k| *k < key);
+        if keys.get(at) == Some(&key) {
+            // It came with the keys of another channel.
+            return (f32::NEG_INFINITY, f32::INFINITY);
+        }
         keys.insert(at, key);
         let times = &self.source.times_secs;
         (times[keys[at - 1]], times[keys[at + 1]])
@@ -179,7 +183,7 @@ pub(super) fn first<'a>(
 fn share(choices: &mut [Choice<'_>], near: &[impl Fn(&[f32], &[f32]) -> bool]) {
     let keeps = |choice: &Choice<'_>| {
         let is_linear = choice.source.interpolation != Interpolation::CubicSpline;
-        is_linear && matches!(choice.kept, KeptKeys::Keys(_))
+        is_linear && choice.keeps_keys()
     };
     let mut is_done = vec![false; choices.len()];
     for first in 0..choices.len() {

@@ -219,6 +219,39 @@ mod tests {
     }
 
     #[test]
+    fn channels_of_the_same_times_share_their_keys() {
+        let (character, articulation) = bar(2);
+        let bar = EditSubject::new(&character, articulation, &END).unwrap();
+        let bump = |at: usize| (0..=10).map(move |i| if i == at { 0.1 } else { 0.0 });
+        let [near, far] = [3, 7].map(|at| bump(at).collect::<Vec<f32>>());
+        let still = line(&[0.0, 0.5, 1.0], &[0.2; 3]).channels.remove(0);
+        let source = clip(vec![turns(0, &near), turns(1, &far), still]);
+        let reduced = |timelines| {
+            let opts = ReduceOptions {
+                bound_metres: 1e-3,
+                drop_rest: false,
+                timelines,
+            };
+            let out = reduce_keys(&bar, &source, &opts).unwrap();
+            assert!(out.worst_metres <= 1e-3);
+            out.clip.channels.into_iter().map(|c| c.times_secs)
+        };
+        let [a, b, c] = reduced(Timelines::Own)
+            .collect::<Vec<_>>()
+            .try_into()
+            .unwrap();
+        assert!(a.len() == 5 && b.len() == 5 && a != b && c.len() == 1);
+        let [a, b, c] = reduced(Timelines::Shared)
+            .collect::<Vec<_>>()
+            .try_into()
+            .unwrap();
+        assert_eq!(a, b);
+        // The ends, and both bumps with their feet.
+        assert_eq!(a, [0.0, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 1.0]);
+        assert_eq!(c.len(), 1);
+    }
+
+    #[test]
     fn what_stands_still_keeps_one_key_and_at_rest_none() {
         let (character, articulation) = bar(3);
         let bar = EditSubject::new(&character, articulation, &[]).unwrap();

@@ -143,17 +143,12 @@ impl<'a> Proof<'a> {
         shown: &mut RawClip,
     ) -> (f32, f32) {
         let times = &choices[c].source.times_secs;
-        let shared =
-            |choice: &&Choice<'_>| choice.keeps_keys() && choice.source.times_secs == *times;
-        if let Some(other) = choices.iter().find(shared).filter(|_| self.is_shared) {
-            let kept = other.kept.clone();
-            choices[c].join(kept);
+        if self.is_shared {
+            let same = |o: &&Choice<'_>| o.keeps_keys() && o.source.times_secs == *times;
+            let kept = choices.iter().find(same).map(|other| other.kept.clone());
+            kept.into_iter().for_each(|kept| choices[c].join(kept));
         }
-        let mut changed = (f32::NEG_INFINITY, f32::INFINITY);
-        if !choices[c].keeps_keys() || choices[c].lacks(key) {
-            changed = choices[c].keep(key);
-        }
-        let (mut from, mut to) = changed;
+        let (mut from, mut to) = choices[c].keep(key);
         shown.channels[c] = choices[c].shown();
         if !self.is_shared {
             return (from, to);

@@ -1,22 +1,15 @@
 //! Arrays as elements of few digits, in front of the filter of a compressed view.
 
-use super::super::accessor::Accessor;
+use super::super::accessor::{Accessor, Component};
 use super::super::place::Place;
 use super::super::reader::Reader;
 use super::ArrayPrecision;
 use super::role::Role;
 use crate::error::ReadError;
 use crate::meshopt::encode::{exponential, octahedral, quaternions};
+use crate::meshopt::filter::undo;
 use crate::meshopt::{Filter, Mode};
 use articula_core::source::{Channel, Interpolation, Property};
-
-/// Component types of glTF.
-const I8: u32 = 5120;
-const U8: u32 = 5121;
-const I16: u32 = 5122;
-const U16: u32 = 5123;
-const U32: u32 = 5125;
-const F32: u32 = 5126;
 
 /// Step of offsets of normals; normals themselves have 8 bits.
 const NORMAL_STEP: f32 = 1.0 / 256.0;
@@ -31,7 +24,7 @@ pub(super) struct Elements {
     pub(super) stride: usize,
     pub(super) count: usize,
     pub(super) bytes: Vec<u8>,
-    pub(super) component: u32,
+    pub(super) component: Component,
     pub(super) normalized: bool,
     /// Whether the format requires its bounds.
     pub(super) is_bounded: bool,
@@ -48,7 +41,7 @@ impl Elements {
             stride: 4 * width,
             count: floats.len() / width,
             bytes: exponential(floats, step),
-            component: F32,
+            component: Component::F32,
             normalized: false,
             is_bounded: false,
             is_compressible: true,
@@ -56,7 +49,12 @@ impl Elements {
     }
 
     /// Bytes whose elements start at multiples of 4.
-    pub(super) fn padded(bytes: &[u8], size: usize, component: u32, normalized: bool) -> Self {
+    pub(super) fn padded(
+        bytes: &[u8],
+        size: usize,
+        component: Component,
+        normalized: bool,
+    ) -> Self {
         let stride = size.next_multiple_of(4);
         let mut padded = Vec::with_capacity(bytes.len() / size * stride);
         for element in bytes.chunks_exact(size) {
@@ -73,6 +71,24 @@ impl Elements {
             normalized,
             is_bounded: false,
             is_compressible: true,
+        }
+    }
+
+    /// The floats that a reader has of it; normalised integers as fractions.
+    pub(super) fn floats(&self) -> Vec<f32> {
+        let mut bytes = self.bytes.clone();
+        undo(self.filter, self.stride, &mut bytes);
+        match self.component {
+            Component::I16 => {
+                let shorts = bytes.as_chunks::<2>().0.iter();
+                shorts
+                    .map(|b| f32::from(i16::from_le_bytes(*b)) / 32767.0)
+                    .collect()
+            }
+            _ => {
+                let words = bytes.as_chunks::<4>().0.iter();
+                words.map(|b| f32::from_le_bytes(*b)).collect()
+            }
         }
     }
 
@@ -137,12 +153,8 @@ fn exact(accessor: &Accessor<'_>, role: Role) -> Result<Elements, ReadError> {
         || accessor.place().has("max");
     let whole = size.is_multiple_of(4);
     if whole || role.is_of_vertices() {
-        let elements = Elements::padded(
-            &bytes,
-            size,
-            accessor.component_code(),
-            accessor.is_normalized(),
-        );
+        let elements =
+            Elements::padded(&bytes, size, accessor.component(), accessor.is_normalized());
         return Ok(Elements {
             is_bounded,
             is_compressible: elements.stride <= 256,
@@ -156,7 +168,7 @@ fn exact(accessor: &Accessor<'_>, role: Role) -> Result<Elements, ReadError> {
         stride: size,
         count: accessor.count,
         bytes,
-        component: accessor.component_code(),
+        component: accessor.component(),
         normalized: accessor.is_normalized(),
         is_bounded,
         is_compressible: false,
@@ -183,7 +195,11 @@ fn corners<'a>(
         stride: if is_short { 2 } else { 4 },
         count: corners.len(),
         bytes: corners.iter().flat_map(|c| c.to_le_bytes()).collect(),
-        component: if is_short { U16 } else { U32 },
+        component: if is_short {
+            Component::U16
+        } else {
+            Component::U32
+        },
         normalized: false,
         is_bounded: false,
         is_compressible: !corners.is_empty(),
@@ -197,12 +213,17 @@ fn joints<'a>(reader: &mut Reader<'a>, accessor: &Accessor<'a>) -> Result<Elemen
         return exact(accessor, Role::Joints);
     }
     let bytes: Vec<u8> = joints.iter().map(|joint| *joint as u8).collect();
-    Ok(Elements::padded(&bytes, accessor.width(), U8, false))
+    Ok(Elements::padded(
+        &bytes,
+        accessor.width(),
+        Component::U8,
+        false,
+    ))
 }
 
 /// Step of times of keys that is at most `step` and a 32nd of the shortest time between two keys: two keys
 /// that are close together make a jump, whose moment shows.
-pub fn key_time_step(secs: &[f32], step: f32) -> f32 {
+fn key_time_step(secs: &[f32], step: f32) -> f32 {
     let intervals = secs.windows(2).map(|pair| pair[1] - pair[0]);
     let shortest = intervals.filter(|s| *s > 0.0).fold(f32::INFINITY, f32::min);
     step.min(shortest / 32.0)
@@ -225,7 +246,7 @@ pub(super) fn key_times(secs: &[f32], step: f32) -> Elements {
         let finer = Elements::stepped(secs, 1, 0.5 * step);
         if finer.bytes == elements.bytes || step < 1e-7 {
             let bytes: Vec<u8> = secs.iter().flat_map(|t| t.to_le_bytes()).collect();
-            return Elements::padded(&bytes, 4, F32, false).bounded();
+            return Elements::padded(&bytes, 4, Component::F32, false).bounded();
         }
         (step, elements) = (0.5 * step, finer);
     }
@@ -247,7 +268,7 @@ pub(super) fn key_values(channel: &Channel, step: f32) -> Elements {
     };
     made.unwrap_or_else(|| {
         let bytes: Vec<u8> = values.iter().flat_map(|x| x.to_le_bytes()).collect();
-        Elements::padded(&bytes, 4 * width, F32, false)
+        Elements::padded(&bytes, 4 * width, Component::F32, false)
     })
 }
 
@@ -267,7 +288,7 @@ fn unit_vectors(floats: &[f32], width: usize) -> Option<Elements> {
         stride: 4,
         count: vectors.len(),
         bytes: octahedral(&vectors, NORMAL_BITS)?,
-        component: I8,
+        component: Component::I8,
         normalized: true,
         is_bounded: false,
         is_compressible: true,
@@ -277,7 +298,7 @@ fn unit_vectors(floats: &[f32], width: usize) -> Option<Elements> {
 fn colors(floats: &[f32], width: usize) -> Elements {
     let byte = |x: &f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
     let bytes: Vec<u8> = floats.iter().map(byte).collect();
-    Elements::padded(&bytes, width, U8, true)
+    Elements::padded(&bytes, width, Component::U8, true)
 }
 
 /// Rotations with as many bits as keep them within a step. `None` if one has no length.
@@ -297,7 +318,7 @@ fn rotations(floats: &[f32], step: f32) -> Option<Elements> {
         stride: 8,
         count: turns.len(),
         bytes: quaternions(&turns, rotation_bits(step))?,
-        component: I16,
+        component: Component::I16,
         normalized: true,
         is_bounded: false,
         is_compressible: true,
@@ -306,18 +327,13 @@ fn rotations(floats: &[f32], step: f32) -> Option<Elements> {
 
 /// Bits of the quaternion filter whose rounding turns by at most `step` radians.
 ///
-/// Each of three components is within half of its unit, 1/sqrt(2) over 2^(bits-1) - 1, and a turn is
-/// twice as long as the error of its quaternion, which the fourth component lengthens by no more than
-/// the square root of two: sqrt(3) sqrt(2) / sqrt(2) units.
-pub(super) fn rotation_bits(step: f32) -> u32 {
+/// Three components are within half of a unit, 1/sqrt(2) over 2^(bits-1) - 1, and the fourth follows: the
+/// quaternion errs by at most sqrt(3)/2 units times sqrt(2), and the turn by twice that, sqrt(3) over
+/// 2^(bits-1) - 1.
+fn rotation_bits(step: f32) -> u32 {
     let units = 3.0f32.sqrt() / step.max(1e-6);
     let bits = (units + 1.0).log2().ceil() as i32 + 1;
     bits.clamp(4, 16) as u32
-}
-
-/// Units of a component of a rotation as it is stored with a step in radians, over 1/sqrt(2).
-pub fn rotation_units(step: f32) -> f32 {
-    ((1u32 << (rotation_bits(step) - 1)) - 1) as f32
 }
 
 #[cfg(test)]

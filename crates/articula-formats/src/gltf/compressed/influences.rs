@@ -3,6 +3,7 @@
 //! Source: glTF 2.0, 3.7.3.3: the weights of a vertex, over all sets, must sum to 1, in 8 bits
 //! to 255; joints of weight 0 should be 0.
 
+use super::super::accessor::Component;
 use super::super::place::Place;
 use super::super::reader::Reader;
 use super::WeightPrecision;
@@ -10,10 +11,6 @@ use super::element::Elements;
 use crate::error::ReadError;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Component types of glTF.
-const U8: u32 = 5121;
-const U16: u32 = 5123;
 
 /// Accessors of the joints and weights of a set of four influences.
 type Set = (usize, usize);
@@ -67,7 +64,10 @@ fn stored(numbers: impl Iterator<Item = u32>, size: usize, normalized: bool) -> 
     let bytes: Vec<u8> = numbers
         .flat_map(|number| number.to_le_bytes()[..size].to_vec())
         .collect();
-    let component = if size == 1 { U8 } else { U16 };
+    let component = match size {
+        1 => Component::U8,
+        _ => Component::U16,
+    };
     Elements::padded(&bytes, 4 * size, component, normalized)
 }
 

@@ -2,20 +2,19 @@
 //!
 //! - `role`: what each array is used for
 //! - `element`: arrays as elements of few digits, in front of a filter
-//! - `clip_size`: size of a clip without writing it
+//! - `clip`: keys and size of a clip without writing it
 //! - `influences`: weights that still sum to 1, the greatest first
 //! - `streams`: arrays of one layout as one compressed view
 //!
 //! Source: EXT_meshopt_compression, KHR_meshopt_compression, KHR_mesh_quantization.
 
-mod clip_size;
+mod clip;
 mod element;
 mod influences;
 mod role;
 mod streams;
 
-pub use clip_size::compressed_clip_bytes;
-pub use element::{key_time_step, rotation_units};
+pub use clip::{compressed_clip_bytes, rounded_clip};
 
 use super::document::Document;
 use super::prune::has_unknown_extension;
@@ -53,8 +52,7 @@ pub struct ArrayPrecision {
 pub struct KeySteps {
     /// Step of the values: in radians for rotations, else in their unit. Splines keep their values.
     pub values: f32,
-    /// Step of the times, in seconds. Times that are close together have a [finer
-    /// one](key_time_step).
+    /// Step of the times, in seconds; a 32nd of the shortest time between two keys, if that is less.
     pub times_secs: f32,
 }
 

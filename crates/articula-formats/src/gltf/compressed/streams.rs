@@ -1,5 +1,6 @@
 //! Arrays of one layout as one compressed view.
 
+use super::super::accessor::Component;
 use super::super::append::{entries_mut, exact, index, object, push, set};
 use super::super::document::Document;
 use super::super::prune::{each_accessor_reference, each_view_reference};
@@ -17,17 +18,25 @@ use crate::written::WriteError;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-/// What arrays of one stream have in common. Indices have a stream of their own each, since those of
-/// triangles are stored relative to the ones before.
+/// What arrays of one stream have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Kind {
-    /// 0 for attributes, else 1 and the accessor.
-    of_indices: usize,
-    is_of_vertices: bool,
+    buffer: Buffer,
     is_compressed: bool,
     filter: u8,
-    component: u32,
+    component: Component,
     stride: usize,
+}
+
+/// What a view is a buffer of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Buffer {
+    /// Keys and matrices.
+    Other,
+    Vertices,
+    /// Indices; compressed ones have a stream for each accessor, since those of triangles are stored
+    /// relative to the ones before.
+    Indices(Option<usize>),
 }
 
 /// An array and the accessor that describes it.
@@ -170,14 +179,13 @@ impl Array {
     fn kind(&self, compression: Compression) -> Kind {
         let elements = &self.elements;
         let is_compressed = elements.is_compressible && compression != Compression::None;
-        let is_of_indices = elements.mode != Mode::Attributes;
+        let buffer = match elements.mode {
+            Mode::Attributes if self.role.is_of_vertices() => Buffer::Vertices,
+            Mode::Attributes => Buffer::Other,
+            _ => Buffer::Indices(is_compressed.then_some(self.accessor)),
+        };
         Kind {
-            of_indices: if is_of_indices && is_compressed {
-                1 + self.accessor
-            } else {
-                usize::from(is_of_indices)
-            },
-            is_of_vertices: self.role.is_of_vertices(),
+            buffer,
             is_compressed,
             filter: elements.filter as u8,
             component: elements.component,
@@ -242,7 +250,7 @@ impl<'a> Output<'a> {
             compression,
             decoded: 0,
             is_quantized: arrays.iter().any(|array| {
-                let is_integer = array.elements.component != 5126;
+                let is_integer = array.elements.component != Component::F32;
                 is_integer && matches!(array.role, Role::Normals | Role::Tangents)
             }),
         }
@@ -315,11 +323,13 @@ impl<'a> Output<'a> {
             "byteOffset": start,
             "byteLength": stored.len(),
         });
-        if kind.is_of_vertices {
-            set(&mut view, "byteStride", kind.stride);
-            set(&mut view, "target", 34962);
-        } else if kind.of_indices > 0 {
-            set(&mut view, "target", 34963);
+        match kind.buffer {
+            Buffer::Vertices => {
+                set(&mut view, "byteStride", kind.stride);
+                set(&mut view, "target", 34962);
+            }
+            Buffer::Indices(_) => set(&mut view, "target", 34963),
+            Buffer::Other => {}
         }
         if kind.is_compressed {
             let mut extension = json!({
@@ -353,12 +363,12 @@ impl<'a> Output<'a> {
         if start > 0 {
             set(accessor, "byteOffset", start);
         }
-        set(accessor, "componentType", elements.component);
+        set(accessor, "componentType", elements.component.code());
         object(accessor).shift_remove("normalized");
         if elements.normalized {
             set(accessor, "normalized", true);
         }
-        let is_float = elements.component == 5126;
+        let is_float = elements.component == Component::F32;
         // Integers are as they were, and so are their bounds.
         if is_float || !elements.is_bounded {
             object(accessor).shift_remove("min");

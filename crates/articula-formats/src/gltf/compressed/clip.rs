@@ -1,15 +1,33 @@
-//! Size of a clip in a compressed document, without writing it.
+//! A clip as a compressed document has it, without writing it: its keys, and its size.
 
 use super::element::{Elements, key_times, key_values};
 use super::{Compression, KeySteps};
 use crate::meshopt::ViewLayout;
 use crate::meshopt::encode::{Bitstream, encode};
-use articula_core::source::RawClip;
+use articula_core::source::{Channel, RawClip};
 use std::collections::{BTreeMap, HashSet};
 
 /// Bytes of JSON of a channel with its sampler and its values, and of an array of times.
 const JSON_OF_CHANNEL: usize = 185;
 const JSON_OF_TIMES: usize = 125;
+
+/// Returns a clip as it is read from a document that is written with these steps of its channels.
+#[must_use]
+pub fn rounded_clip(clip: &RawClip, steps: &[KeySteps]) -> RawClip {
+    let channels = clip
+        .channels
+        .iter()
+        .zip(steps)
+        .map(|(channel, steps)| Channel {
+            times_secs: key_times(&channel.times_secs, steps.times_secs).floats(),
+            values: key_values(channel, steps.values).floats(),
+            ..channel.clone()
+        });
+    RawClip {
+        channels: channels.collect(),
+        ..clip.clone()
+    }
+}
 
 /// Bytes that the keys of a clip need in a document that is written compressed, with the JSON that
 /// describes them. `steps` are those of its channels. Clips of one document share views, and so need a
