@@ -311,7 +311,10 @@ impl Session {
                 self.feed.set_plan(character, plan, self.now());
                 Ok(())
             }
-            Err(error) => self.refuse(socket, character, error.to_string()).await,
+            Err(error) => {
+                self.feed.refuse_plan(character);
+                self.refuse(socket, character, error.to_string()).await
+            }
         }
     }
 

@@ -197,6 +197,14 @@ impl Feed {
         }
     }
 
+    /// Sends nothing of a character until it gets a plan: the context of the moment is refused.
+    pub fn refuse_plan(&mut self, character: usize) {
+        self.planner.pause(character);
+        if let Some(of) = self.characters.get_mut(character) {
+            of.plan = None;
+        }
+    }
+
     /// What comes next at a time.
     pub fn next(&mut self, now_secs: f64) -> FeedNext {
         if now_secs - self.told_secs >= STATISTICS_SECS {

@@ -297,6 +297,8 @@ impl Client {
             return Ok(());
         };
         let (manifest, held) = (receiver.manifest(), receiver.held());
+        // Until a plan is found.
+        self.planner.pause(number);
         let options = &self.options.adapt;
         let plan = DeliveryPlan::new(manifest, &context, options);
         let flat = match of.figure() {

@@ -39,6 +39,8 @@ struct Entry {
     /// Bytes that came, by importance: who has the fewest is next.
     served: f64,
     position: Position,
+    /// Whether nothing comes for now, since the context of the moment is refused.
+    is_paused: bool,
 }
 
 /// Where in its clip a character is.
@@ -81,14 +83,26 @@ impl Planner {
             importance,
             served,
             position,
+            is_paused: false,
         };
         self.characters.insert(character, entry);
     }
 
     /// Changes the levels of quality of a character.
     pub(super) fn set_plan(&mut self, character: usize, plan: &DeliveryPlan) {
-        if let Some(plan_of) = self.plan_mut(character) {
+        let Some(entry) = self.characters.get_mut(&character) else {
+            return;
+        };
+        entry.is_paused = false;
+        if let Some(plan_of) = &mut entry.plan {
             plan_of.set_plan(plan);
+        }
+    }
+
+    /// Sends nothing more of a character until it gets another plan. What was sent stays known.
+    pub(super) fn pause(&mut self, character: usize) {
+        if let Some(entry) = self.characters.get_mut(&character) {
+            entry.is_paused = true;
         }
     }
 
@@ -199,7 +213,8 @@ impl Planner {
 
 impl Entry {
     fn is_over(&self) -> bool {
-        self.flat.is_empty() && self.plan.as_ref().is_none_or(CharacterPlan::is_over)
+        self.is_paused
+            || self.flat.is_empty() && self.plan.as_ref().is_none_or(CharacterPlan::is_over)
     }
 
     /// The next bytes, with those that go on where they end.

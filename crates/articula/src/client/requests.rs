@@ -139,6 +139,8 @@ impl Client {
                 self.take_stages()
             }
             (Asked::Increment(increment), _) => {
+                // The server may have another item by now: then its manifest says so.
+                self.characters[increment.character].is_whole = false;
                 self.restore(increment.character);
                 self.pause(now_secs);
                 self.take_stages()

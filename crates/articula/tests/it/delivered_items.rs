@@ -8,14 +8,14 @@ use articula::client::{
 use articula::item::{
     AdaptOptions, Item, ItemReceiver, Manifest, PackageOptions, PartKind, compressed, package,
 };
-use articula::{Executor, fs};
+use articula::{Executor, Figure, fs};
 use articula_mutate::{Edit, Mutations};
 use articula_stream::ByteRanges;
 use articula_stream::decide::Transfer;
 use articula_stream::description::{Context, Modality};
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Which bytes of which file were sent.
@@ -522,14 +522,113 @@ fn a_change_of_characters_is_told() {
 
 /// A small figure that turns, with forms in 2D.
 fn with_forms() -> Item {
-    let path =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../articula-formats/tests/cases/base.glb");
     let options = PackageOptions {
         mesh_levels: 2,
         flat_px: 64,
         ..PackageOptions::default()
     };
-    package(fs::open(path).unwrap(), &options, &Executor::default()).unwrap()
+    package(fs::open(base()).unwrap(), &options, &Executor::default()).unwrap()
+}
+
+fn base() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../articula-formats/tests/cases/base.glb")
+}
+
+/// A server that begins anew may have another item by the same name: the objects of the first are gone.
+#[test]
+fn a_client_goes_on_with_another_item_of_the_same_name() {
+    let Some(first) = textured() else { return };
+    let second = with_forms();
+    let (mut client, character) = client();
+    let mut now_secs = 0.0;
+    let mut lost = 0;
+    for step in 0..400 {
+        let item = if step < 2 { first } else { &second };
+        let text = manifest(item);
+        let hash = blake3::hash(&text).to_hex().to_string();
+        now_secs += 0.1;
+        // One request a step, so that the first item is not there whole.
+        if let Some((id, request)) = client.next_request(now_secs) {
+            let answer = match request {
+                ClientRequest::Manifest { known, .. } if known.as_ref() == Some(&hash) => {
+                    ClientAnswer::Unchanged { is_whole: true }
+                }
+                ClientRequest::Manifest { .. } => ClientAnswer::Manifest {
+                    bytes: text,
+                    is_whole: true,
+                },
+                ClientRequest::Bytes { object, increment } => {
+                    let range = increment.range.start as usize..increment.range.end as usize;
+                    let files = &mut item.manifest.files.iter();
+                    match files.find(|(_, of)| of.hash == object) {
+                        Some((file, _)) => ClientAnswer::Bytes {
+                            bytes: item.file(file).unwrap()[range].to_vec(),
+                            transfer: Transfer {
+                                bytes: increment.range.end - increment.range.start,
+                                first_byte_secs: now_secs - 0.05,
+                                last_byte_secs: now_secs,
+                            },
+                        },
+                        None => {
+                            lost += 1;
+                            ClientAnswer::Failed
+                        }
+                    }
+                }
+            };
+            client.answer(id, answer, now_secs).unwrap();
+        }
+        client.frame(now_secs, 0.1).unwrap();
+    }
+    assert_eq!(lost, 1, "it asks what the server has now");
+    assert!(client.is_complete());
+    let shown = client.character(character).unwrap();
+    let triangles = |figure: &Figure| figure.asset.mesh.triangles.len();
+    let whole = Figure::new(fs::open(base()).unwrap()).unwrap();
+    assert_eq!(triangles(shown.figure().unwrap()), triangles(&whole));
+}
+
+#[test]
+fn nothing_is_sent_in_a_context_that_is_refused() {
+    let item = with_forms();
+    let (mut client, _) = client();
+    let mut feed = Feed::new(client.hello(0.0), 0.0).unwrap();
+    let text = manifest(&item);
+    let hash = blake3::hash(&text);
+    feed.set_manifest(0, &Arc::new(item.manifest.clone()), &hash.to_hex());
+    let first = ServerMessage::Manifest {
+        character: 0,
+        is_whole: true,
+        hash: *hash.as_bytes(),
+        bytes: compressed("manifest.json", &text).unwrap(),
+    };
+    let held = client.take(first, 0.0).unwrap().unwrap();
+    feed.take(held, 0.0).unwrap();
+    let plan = || {
+        let options = AdaptOptions::default();
+        let plan = DeliveryPlan::new(&item.manifest, &context(), &options);
+        FeedPlan::new(plan, &item.manifest, &context(), &options).unwrap()
+    };
+    let mut sent = Sent::default();
+    let mut come = |feed: &mut Feed, most: usize| {
+        for _ in 0..most {
+            match feed.next(0.0) {
+                FeedNext::Bytes(increment, _) => sent.add(&increment.file, increment.range),
+                FeedNext::Complete(_) | FeedNext::Wait(_) => break,
+                _ => {}
+            }
+        }
+        sent.check_once();
+        sent.bytes
+    };
+    feed.set_plan(0, plan(), 0.0);
+    let before = come(&mut feed, 3);
+    assert!(before > 0);
+    feed.refuse_plan(0);
+    assert_eq!(come(&mut feed, 100), before);
+    // Another plan goes on where the first was.
+    feed.set_plan(0, plan(), 0.0);
+    assert!(come(&mut feed, 1000) > before);
 }
 
 #[test]
