@@ -1,10 +1,12 @@
-//! Pages of other origins, which browsers let read answers only with the server's leave (CORS).
+//! Pages of other origins: browsers let them read answers only with the server's leave (CORS), and open sessions
+//! without it, so that the server refuses those itself (RFC 6455, 10.2).
 
 use axum::body::Body;
 use axum::extract::{Request, State};
 use axum::http::header::{
     ACCESS_CONTROL_ALLOW_HEADERS, ACCESS_CONTROL_ALLOW_METHODS, ACCESS_CONTROL_ALLOW_ORIGIN,
-    ACCESS_CONTROL_EXPOSE_HEADERS, ACCESS_CONTROL_MAX_AGE, ACCESS_CONTROL_REQUEST_METHOD, VARY,
+    ACCESS_CONTROL_EXPOSE_HEADERS, ACCESS_CONTROL_MAX_AGE, ACCESS_CONTROL_REQUEST_METHOD, HOST,
+    ORIGIN, VARY,
 };
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode};
 use axum::middleware::Next;
@@ -37,6 +39,21 @@ pub(crate) async fn shared(
     };
     grant(response.headers_mut(), origin);
     response
+}
+
+/// Whether who asks may open a session: a program, which names no origin, a page of this server, and pages of the origin
+/// that may read, or of all.
+pub(crate) fn may_open_session(headers: &HeaderMap, allowed: Option<&str>) -> bool {
+    let Some(origin) = headers.get(ORIGIN) else {
+        return true;
+    };
+    let Ok(origin) = origin.to_str() else {
+        return false;
+    };
+    let host = headers.get(HOST).and_then(|host| host.to_str().ok());
+    let of_page = origin.split_once("://").map(|(_, authority)| authority);
+    let is_own = of_page.is_some() && of_page == host;
+    is_own || allowed.is_some_and(|allowed| allowed == "*" || allowed == origin)
 }
 
 /// The answer to a browser that asks what a page may do.

@@ -3,10 +3,12 @@
 use super::run::run;
 use crate::catalogue::Catalogue;
 use crate::metrics::Metrics;
+use crate::origins::may_open_session;
 use crate::reply::later;
 use crate::sessions::SessionReport;
 use articula::client::MOST_MESSAGE_BYTES;
 use axum::extract::{State, WebSocketUpgrade};
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Json, Router};
@@ -24,7 +26,15 @@ pub(crate) fn routes() -> Router<Catalogue> {
         .route("/v1/sessions", get(sessions))
 }
 
-async fn open(State(catalogue): State<Catalogue>, upgrade: WebSocketUpgrade) -> Response {
+async fn open(
+    State(catalogue): State<Catalogue>,
+    headers: HeaderMap,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    if !may_open_session(&headers, catalogue.options().allow_origin.as_deref()) {
+        let what = "pages of this origin may open no session; see --allow-origin\n";
+        return (StatusCode::FORBIDDEN, what).into_response();
+    }
     let Some(place) = catalogue.sessions().open() else {
         Metrics::add(&catalogue.metrics().overloaded, 1);
         return later("too many sessions at once");

@@ -79,6 +79,20 @@ impl Server {
         self.request("GET", path, headers, b"")
     }
 
+    /// The status of a request to change the protocol of a connection, which then ends.
+    pub(crate) fn upgrade(&self, path: &str, headers: &[(&str, &str)]) -> u16 {
+        let mut head = format!("GET {path} HTTP/1.1\r\nHost: test\r\nConnection: upgrade\r\n");
+        for (name, value) in headers {
+            head.push_str(&format!("{name}: {value}\r\n"));
+        }
+        let mut stream = TcpStream::connect(self.at).unwrap();
+        stream.write_all(format!("{head}\r\n").as_bytes()).unwrap();
+        let mut first = [0; 12];
+        stream.read_exact(&mut first).unwrap();
+        let first = std::str::from_utf8(&first).unwrap();
+        first.trim_start_matches("HTTP/1.1 ").parse().unwrap()
+    }
+
     pub(crate) fn request(
         &self,
         method: &str,

@@ -38,3 +38,41 @@ fn pages_of_an_origin_may_read_and_change_nothing() {
     let sent = asked.header("access-control-allow-headers");
     assert!(sent.contains("if-none-match") && !sent.contains("authorization"));
 }
+
+#[test]
+fn pages_of_other_origins_open_no_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let status = |server: &Server, origin: Option<&str>| {
+        let upgrade = [
+            ("Upgrade", "websocket"),
+            ("Sec-WebSocket-Version", "13"),
+            ("Sec-WebSocket-Key", "dGhlIHNhbXBsZSBub25jZQ=="),
+        ];
+        let origin = origin.map(|origin| ("Origin", origin));
+        let headers: Vec<_> = upgrade.into_iter().chain(origin).collect();
+        server.upgrade("/v1/session", &headers)
+    };
+    let closed = Server::start(folder.path(), &options());
+    assert_eq!(status(&closed, None), 101);
+    // The host that these requests name.
+    assert_eq!(status(&closed, Some("http://test")), 101);
+    for other in ["https://example.com", "http://test.example.com", "null", ""] {
+        assert_eq!(status(&closed, Some(other)), 403, "{other}");
+    }
+    drop(closed);
+
+    let of_one = ServeOptions {
+        allow_origin: Some("https://example.com".to_owned()),
+        ..options()
+    };
+    let open = Server::start(folder.path(), &of_one);
+    assert_eq!(status(&open, Some("https://example.com")), 101);
+    assert_eq!(status(&open, Some("http://example.com")), 403);
+    drop(open);
+    let of_all = ServeOptions {
+        allow_origin: Some("*".to_owned()),
+        ..options()
+    };
+    let open = Server::start(folder.path(), &of_all);
+    assert_eq!(status(&open, Some("http://example.com")), 101);
+}
