@@ -49,7 +49,7 @@ const STREAM: Module = Module {
 
 const PUBLISH: Module = Module {
     name: "publish",
-    contents: "2D output, packaging",
+    contents: "2D output, packaging, motions of faces, evaluation",
     limit: 1_600_000,
 };
 

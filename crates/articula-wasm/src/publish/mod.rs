@@ -1,5 +1,8 @@
-//! What is published of a character: moving pictures and digital items. For a worker, as `tools`.
+//! What is made and measured of an opened character: moving pictures, digital items, motions of its face, evaluation
+//! of motion level of detail. For a worker, as `tools`.
 
+mod evaluate;
+mod face;
 mod measured;
 mod options;
 mod packaged;
@@ -14,7 +17,7 @@ use articula::item::package;
 use packaged::PackagedFile;
 use wasm_bindgen::prelude::*;
 
-/// What is published of a character that is a GLB or VRM file. Each call may take seconds; call it in a worker.
+/// What is made and measured of a character that is a GLB or VRM file. Each call may take seconds; call it in a worker.
 ///
 /// All throw an `ArticulaError` for files that cannot be read, for options that they do not know, and with the code
 /// "cancelled" when `progress` returns `false`.

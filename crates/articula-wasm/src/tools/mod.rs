@@ -1,7 +1,5 @@
 //! Preparation and conversion: for a worker, so that the page goes on.
 
-mod evaluate;
-mod face;
 mod options;
 
 use crate::error::Fault;

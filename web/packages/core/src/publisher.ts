@@ -22,6 +22,10 @@ serve(
           file.free();
           return copy;
         });
+      case 'addFaceClip':
+        return Publisher.addFaceClip(bytes, name, task.motion, task.motionName, report);
+      case 'evaluate':
+        return Publisher.evaluate(bytes, name, options, report);
       default:
         throw new Error(`${task.call} is a task of the other worker`);
     }

@@ -72,13 +72,16 @@ export interface ToolsSource {
   /** The worker that prepares and converts, and its module. */
   readonly worker?: (() => Worker) | undefined;
   readonly wasm?: string | URL | undefined;
-  /** The worker that makes 2D pictures and items, and its module. */
+  /** The worker that makes 2D pictures, items and motions of faces, and evaluates; its module. */
   readonly publisher?: (() => Worker) | undefined;
   readonly publishWasm?: string | URL | undefined;
 }
 
 /** Files that the publisher opens. Others are converted first. */
 const IS_PUBLISHED = /\.(glb|vrm)$/i;
+
+/** What the publisher does. */
+const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'evaluate']);
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -110,14 +113,15 @@ export class Tools {
   }
 
   /** Returns the character with the motion of a face: a FAP, AFP or FBA file, or a capture of Live Link Face (CSV). */
-  addFaceClip(
+  async addFaceClip(
     bytes: Uint8Array,
     name: string,
     motion: Uint8Array,
     motionName: string,
     options: TaskOptions = {},
   ): Promise<Uint8Array> {
-    return this.#run({ call: 'addFaceClip', bytes, name, motion, motionName, ...split(options) });
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'addFaceClip', ...file, motion, motionName, ...split(options) });
   }
 
   /** Returns a clip as a moving picture of 2D shapes. */
@@ -135,7 +139,8 @@ export class Tools {
 
   /** Returns what methods of motion level of detail save and show, as `articula lod --json` tells it. */
   async evaluate(bytes: Uint8Array, name: string, options: EvaluateOptions = {}): Promise<unknown> {
-    return JSON.parse(await this.#run({ call: 'evaluate', bytes, name, ...split(options) }));
+    const file = await this.#published(bytes, name, options);
+    return JSON.parse(await this.#run({ call: 'evaluate', ...file, ...split(options) }));
   }
 
   /** Returns what is in a file: joints, clips, meshes, face, warnings. */
@@ -192,7 +197,7 @@ export class Tools {
   /** Starts the worker that has a call; bundlers find its script by these very words. */
   #start(call: Task['call']): { worker: Worker; wasm: string | URL | undefined } {
     const { worker, wasm, publisher, publishWasm } = this.#source;
-    if (call === 'flatten' || call === 'flattenMeasured' || call === 'package') {
+    if (PUBLISHES.has(call)) {
       const started = publisher?.() ?? new Worker(new URL('./publisher.js', import.meta.url), { type: 'module' });
       return { worker: started, wasm: publishWasm };
     }

@@ -13,10 +13,6 @@ serve(
         return Tools.convert(bytes, name, task.to, options, report);
       case 'addClips':
         return Tools.addClips(bytes, name, task.motion, task.motionName, options, report);
-      case 'addFaceClip':
-        return Tools.addFaceClip(bytes, name, task.motion, task.motionName, report);
-      case 'evaluate':
-        return Tools.evaluate(bytes, name, options, report);
       case 'inspect':
         return Tools.inspect(bytes, name);
       default:

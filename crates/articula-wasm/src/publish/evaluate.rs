@@ -1,6 +1,6 @@
 //! Evaluation of motion level of detail, as the program `articula lod` does it.
 
-use super::Tools;
+use super::Publisher;
 use crate::error::{Fault, Result};
 use crate::long_options::read;
 use crate::opening::open_alone;
@@ -37,7 +37,7 @@ struct Evaluated {
 }
 
 #[wasm_bindgen]
-impl Tools {
+impl Publisher {
     /// Plays a clip under a method of motion level of detail and measures what it saves and shows at each distance;
     /// returns JSON: `{clip, frames, rows: […]}`, with rows as in `articula lod --json`. `options` is JSON: `{clip?:
     /// string, method?: string, loa?: string, distances?: number[], calibratePx?: number}`; methods are those of the

@@ -1,6 +1,6 @@
 //! Motions of faces, moved to the face of a character.
 
-use super::Tools;
+use super::Publisher;
 use crate::error::Fault;
 use crate::opening::{open_alone, open_options};
 use crate::progress::{ProgressCallback, run};
@@ -10,7 +10,7 @@ use articula::{CharacterFile, Data, DataFormat, Format, open_data};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
-impl Tools {
+impl Publisher {
     /// Adds a motion of a face to a character, and returns it as a GLB or VRM file: facial animation parameters
     /// (.fap, .afp, .fba) or a capture of Live Link Face (.csv). A character without morph targets and expressions
     /// is given blend shapes, made from its feature points.
