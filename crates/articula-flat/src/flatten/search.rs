@@ -86,7 +86,7 @@ pub struct Unmeasured {
 }
 
 /// Writes a prepared clip without pictures of the file and compressed sizes, which cost more than the
-/// file; with a byte budget, at the first of the quality steps that fits, or the smallest file if none
+/// file; with a byte budget, at the first of the quality steps that fits, or at the coarsest if none
 /// fits. Without a budget the bytes are those of [`flatten()`].
 ///
 /// # Errors
@@ -97,14 +97,20 @@ pub fn flatten_unmeasured(
 ) -> Result<Unmeasured, PlanarError> {
     let most = settings.max_bytes.unwrap_or(u64::MAX);
     let written = |quality: &Quality| write(prepared, settings.profile, quality, &settings.name);
+    let fits = |made: &Written| made.bytes.len() as u64 <= most;
     let mut made = written(&settings.quality)?;
-    for quality in candidates(settings).iter().skip(1) {
-        if made.bytes.len() as u64 <= most {
-            break;
-        }
-        let next = written(quality)?;
-        if next.bytes.len() < made.bytes.len() {
-            made = next;
+    let candidates = candidates(settings);
+    if let [_, between @ .., coarsest] = &candidates[..]
+        && !fits(&made)
+    {
+        // If not even the coarsest step fits, those between cannot.
+        let coarsest = written(coarsest)?;
+        if fits(&coarsest) {
+            let steps = between.iter().map(written);
+            let mut first = steps.filter(|made| made.as_ref().is_ok_and(fits) || made.is_err());
+            made = first.next().transpose()?.unwrap_or(coarsest);
+        } else if coarsest.bytes.len() < made.bytes.len() {
+            made = coarsest;
         }
     }
     let bytes = made.bytes.len() as u64;

@@ -214,6 +214,24 @@ impl<'a> FramedCharacter<'a> {
         Ok(framed)
     }
 
+    /// Returns the same view at about this many frames per second.
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file: too many frames.
+    pub fn with_rate(&self, fps: f32) -> Result<Self> {
+        let shot = Shot { fps, ..self.shot };
+        let (frame_times_secs, fps) = moments(self.figure, &shot)?;
+        Ok(Self {
+            shot,
+            frame_times_secs,
+            options: BakeOptions {
+                fps,
+                ..self.options
+            },
+            ..self.clone()
+        })
+    }
+
     /// Returns a still at a time in seconds, seen by the same camera, with the same triangles.
     #[must_use]
     pub fn still(&self, at_secs: f32) -> Self {

@@ -30,8 +30,10 @@ const COMPARED: u32 = 32;
 /// Most bytes of the animated picture and of the still as they are sent, compressed.
 const MOST_MOVING: u64 = 25_000;
 const MOST_STILL: u64 = 12_000;
-/// Times that a form is made with less until it is small enough.
+/// Times that a form is made with less until it is small enough, and that the fewest triangles are made with
+/// fewer frames.
 const ATTEMPTS: usize = 5;
+const FRAME_ATTEMPTS: usize = 2;
 /// Compression is worse for a smaller file: a share that is aimed at.
 const AIM: f64 = 0.95;
 /// How many times as many bytes as allowed an animated picture may have before coarser tolerances.
@@ -100,6 +102,13 @@ pub(super) fn forms(
 /// An entry without the name of its file, and the bytes of the file.
 type Form = (FlatEntry, Vec<u8>);
 
+/// A form, its bytes as sent, and what it shows.
+struct Made<'a> {
+    form: Unmeasured,
+    sent: u64,
+    framed: FramedCharacter<'a>,
+}
+
 /// What all forms are made from.
 struct Maker<'a> {
     figure: &'a Figure,
@@ -133,9 +142,20 @@ impl<'a> Maker<'a> {
             true => framed.with_triangles((TRIANGLES * FRAMES / frames).max(FEWEST))?,
             false => framed.clone(),
         };
-        let made = self.within(first, Profile::Smil, MOST_MOVING)?;
+        let mut made = self.within(first, Profile::Smil, MOST_MOVING)?;
+        for _ in 0..FRAME_ATTEMPTS {
+            if made.sent <= MOST_MOVING {
+                break;
+            }
+            let share = AIM * MOST_MOVING as f64 / made.sent as f64;
+            let slower = made
+                .framed
+                .with_rate(made.framed.options.fps * share as f32)?;
+            made = self.within(slower, Profile::Smil, MOST_MOVING)?;
+        }
         let clip = self.of_clip().map(|clip| clip.name.clone());
-        Ok(self.entry(made, clip, between_px(framed)?))
+        let between = between_px(&made.framed)?;
+        Ok(self.entry(made.form, clip, between))
     }
 
     fn still(&self, framed: &FramedCharacter<'a>) -> Result<Form> {
@@ -145,7 +165,7 @@ impl<'a> Maker<'a> {
         };
         let moved = self.of_clip().map(|clip| motion_px(framed, clip));
         let made = self.within(framed.still(0.0), profile, MOST_STILL)?;
-        Ok(self.entry(made, None, moved.transpose()?.unwrap_or(0.0)))
+        Ok(self.entry(made.form, None, moved.transpose()?.unwrap_or(0.0)))
     }
 
     fn of_clip(&self) -> Option<&'a Clip> {
@@ -159,7 +179,7 @@ impl<'a> Maker<'a> {
         mut framed: FramedCharacter<'a>,
         profile: Profile,
         most: u64,
-    ) -> Result<Unmeasured> {
+    ) -> Result<Made<'a>> {
         let mut settings = Settings {
             profile,
             quality: Quality::of(profile),
@@ -177,6 +197,7 @@ impl<'a> Maker<'a> {
         };
         let mut clip = ready(&framed)?;
         let (mut best, mut sent) = flat(&clip, &settings)?;
+        let mut of_best = framed.clone();
         let (mut raw, mut drawn) = (best.bytes.len(), best.triangles_drawn);
         // Coarser tolerances save about a half at first, fewer triangles the rest.
         let mut saved = if best.frames > 1 { SAVED } else { 1.0 };
@@ -206,9 +227,14 @@ impl<'a> Maker<'a> {
             is_coarsest = raw as u64 > allowed;
             if of_made < sent {
                 (best, sent) = (made, of_made);
+                of_best = framed.clone();
             }
         }
-        Ok(best)
+        Ok(Made {
+            form: best,
+            sent,
+            framed: of_best,
+        })
     }
 
     fn entry(&self, made: Unmeasured, clip: Option<String>, moved_px: f64) -> Form {
