@@ -19,7 +19,7 @@ use axum::extract::{Path, Query, RawQuery, Request, State};
 use axum::http::header::{CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
-use axum::response::{IntoResponse, Response};
+use axum::response::{IntoResponse, Redirect, Response};
 use axum::routing::{get, put};
 use serde::{Deserialize, Serialize};
 use std::future::Future;
@@ -27,6 +27,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
+use tower_http::services::ServeDir;
 
 /// What never changes may be kept for a year.
 const IMMUTABLE: &str = "public, max-age=31536000, immutable";
@@ -56,7 +57,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
     let origin = catalogue.options().allow_origin.as_deref();
     let origin = origin.and_then(|origin| HeaderValue::from_str(origin).ok());
     let limited = (catalogue.clone(), places);
-    axum::Router::new()
+    let routes = axum::Router::new()
         .route("/", get(page))
         .route("/v1/characters", get(characters))
         .route(
@@ -69,7 +70,15 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .merge(session::routes())
         .merge(cut::routes())
         .merge(devices::routes())
-        .merge(openapi::routes())
+        .merge(openapi::routes());
+    let routes = match &catalogue.options().studio {
+        Some(folder) => routes
+            // Relative addresses of the page lie below it.
+            .route("/studio", get(|| async { Redirect::permanent("studio/") }))
+            .nest_service("/studio/", ServeDir::new(folder)),
+        None => routes,
+    };
+    routes
         .layer(from_fn_with_state(limited, limit))
         // These answer also when all places are taken.
         .route("/healthz", get(|| async { "ok\n" }))
@@ -130,11 +139,10 @@ async fn page(State(catalogue): State<Catalogue>) -> Response {
         (CONTENT_TYPE, "text/html; charset=utf-8"),
         (CONTENT_SECURITY_POLICY, policy),
     ];
-    (
-        headers,
-        list(&catalogue.states(), &catalogue.sessions().reports()),
-    )
-        .into_response()
+    let has_studio = catalogue.options().studio.is_some();
+    let sessions = catalogue.sessions().reports();
+    let html = list(&catalogue.states(), &sessions, has_studio);
+    (headers, html).into_response()
 }
 
 async fn characters(State(catalogue): State<Catalogue>) -> Response {

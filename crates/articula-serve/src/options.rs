@@ -3,6 +3,7 @@
 use crate::watcher::RequestWatcher;
 use articula::OpenOptions;
 use articula::item::PackageOptions;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Options of [`Catalogue::open`](crate::Catalogue::open).
@@ -14,6 +15,8 @@ pub struct ServeOptions {
     pub token: Option<String>,
     /// Origin of web pages that may read what is served, such as `https://example.com`, or `*` for all; none without.
     pub allow_origin: Option<String>,
+    /// Folder of web pages that are served below `/studio/`; none without.
+    pub studio: Option<PathBuf>,
     /// Most bytes of a character that is put.
     pub most_bytes: usize,
     /// Most characters that are put at once, whose bytes are in memory; others get 503.
@@ -57,6 +60,7 @@ impl Default for ServeOptions {
             read_only: false,
             token: None,
             allow_origin: None,
+            studio: None,
             most_bytes: 256 << 20,
             most_uploads: 8,
             least_upload_bps: 512e3,

@@ -3,8 +3,12 @@
 use crate::catalogue::{CharacterState, Progress};
 use crate::sessions::SessionReport;
 
-/// HTML of the list.
-pub(crate) fn list(states: &[(String, CharacterState)], sessions: &[SessionReport]) -> String {
+/// HTML of the list; with a studio it names its page.
+pub(crate) fn list(
+    states: &[(String, CharacterState)],
+    sessions: &[SessionReport],
+    has_studio: bool,
+) -> String {
     let mut rows = String::new();
     let mut is_busy = false;
     for (name, state) in states {
@@ -45,11 +49,15 @@ pub(crate) fn list(states: &[(String, CharacterState)], sessions: &[SessionRepor
         }
         false => "",
     };
+    let studio = match has_studio {
+        true => "<p>The <a href=\"/studio/#stream\">studio</a> shows them while they arrive.\n",
+        false => "",
+    };
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width\">\n{refresh}\n<title>Articula</title>\n\
          <style>{STYLE}</style>\n<h1>Characters</h1>\n{empty}<table>\n\
-         <tr><th>name<th>state<th>kB<th>kB as sent<th>files\n{rows}</table>\n{}\
+         <tr><th>name<th>state<th>kB<th>kB as sent<th>files\n{rows}</table>\n{studio}{}\
          <p><a href=\"/v1/characters\">As JSON</a>, <a href=\"/v1/sessions\">sessions</a>, \
          <a href=\"/metrics\">metrics</a>\n</html>\n",
         monitor(sessions)
@@ -136,7 +144,7 @@ mod tests {
             progress: Progress::Failed("<script>".into()),
             served: None,
         };
-        let html = list(&[("a\"<b> ä".to_owned(), state)], &[]);
+        let html = list(&[("a\"<b> ä".to_owned(), state)], &[], false);
         assert!(html.contains("a&quot;&lt;b&gt; ä") && html.contains("failed: &lt;script&gt;"));
         assert!(!html.contains("refresh"));
         assert_eq!(path_of("a b/ä"), "a%20b%2F%C3%A4");

@@ -37,6 +37,9 @@ pub(crate) struct ServeArgs {
     /// Let web pages of this origin read what is served, such as `https://example.com`; `*` lets all
     #[arg(long, value_name = "ORIGIN", value_parser = origin)]
     allow_origin: Option<String>,
+    /// Folder of the studio's pages (web/studio/dist), served below /studio/
+    #[arg(long, value_name = "DIR")]
+    studio: Option<PathBuf>,
 }
 
 /// Form of the lines about requests.
@@ -100,10 +103,22 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
             "anyone who reaches this address could store characters; give --token or --read-only";
         return Err(fault::usage(format!("--addr {}: {what}", args.addr)));
     }
+    if let Some(studio) = args
+        .studio
+        .as_ref()
+        .filter(|dir| !dir.join("index.html").is_file())
+    {
+        let what = "there is no index.html in it; `npm run build --workspace articula-studio` in web/ makes it";
+        return Err(fault::usage(format!(
+            "--studio {}: {what}",
+            files::shown(studio)
+        )));
+    }
     let options = ServeOptions {
         read_only: args.read_only,
         token: args.token.clone(),
         allow_origin: args.allow_origin.clone(),
+        studio: args.studio.clone(),
         throttle_bps: args.throttle_kbps.map(|kbps| 1e3 * kbps),
         watcher: args.log.watcher(),
         ..ServeOptions::default()

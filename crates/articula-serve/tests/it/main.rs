@@ -21,6 +21,7 @@ mod removal;
 mod sessions;
 mod slow;
 mod stages;
+mod studio;
 
 // The judges of pictures want it here.
 use articula::flat::Picture;
