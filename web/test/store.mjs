@@ -14,12 +14,15 @@ export const PROGRAM = [process.env.ARTICULA, join(ROOT, 'target/debug/articula'
   (path) => path !== undefined && existsSync(path),
 );
 
-/** Serves a character of the repository with one of its clips from a new folder, to pages of all origins. */
-export async function openStore(file, clip, name) {
+/**
+ * Serves a character of the repository with one of its clips from a new folder, to pages of all origins; with a folder
+ * of pages, these too.
+ */
+export async function openStore(file, clip, name, pages) {
   const folder = await mkdtemp(join(tmpdir(), 'store-'));
   const words = ['convert', join(ROOT, 'assets', file), join(folder, `${name}.glb`), '--clip', clip, '--quiet'];
   execFileSync(PROGRAM, words, { stdio: ['ignore', 'ignore', 'inherit'] });
-  let running = await start(folder, '127.0.0.1:0');
+  let running = await start(folder, '127.0.0.1:0', pages);
   const { url } = running;
   const stop = () =>
     new Promise((resolve) => {
@@ -35,7 +38,7 @@ export async function openStore(file, clip, name) {
     url,
     async restart() {
       await stop();
-      running = await start(folder, new URL(url).host);
+      running = await start(folder, new URL(url).host, pages);
     },
     async close() {
       await stop();
@@ -45,8 +48,8 @@ export async function openStore(file, clip, name) {
 }
 
 /** Starts the program; resolves when it listens. */
-async function start(folder, address) {
-  const words = ['serve', folder, '--addr', address, '--allow-origin', '*', '--json'];
+async function start(folder, address, pages) {
+  const words = ['serve', folder, '--addr', address, '--allow-origin', '*', '--json', ...(pages === undefined ? [] : ['--studio', pages])];
   const child = spawn(PROGRAM, words, { stdio: ['ignore', 'pipe', 'inherit'] });
   // Nothing of a test outlives it.
   const end = () => child.kill('SIGKILL');

@@ -73,8 +73,8 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .merge(openapi::routes());
     let routes = match &catalogue.options().studio {
         Some(folder) => routes
-            // Relative addresses of the page lie below it.
-            .route("/studio", get(|| async { Redirect::permanent("studio/") }))
+            // Pages are no part of the interface that the document tells. Their relative addresses lie below.
+            .route_service("/studio", get(|| async { Redirect::permanent("studio/") }))
             .nest_service("/studio/", ServeDir::new(folder)),
         None => routes,
     };

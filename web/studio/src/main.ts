@@ -6,6 +6,7 @@ import { CrowdPage } from './crowd/crowd.js';
 import { FlatPage } from './flat/flat.js';
 import { StagePage } from './stage/stage.js';
 import { readState, type StudioState } from './state.js';
+import { StreamPage } from './stream/stream.js';
 import { ACCEPTED, Studio } from './studio.js';
 import { h } from './ui/dom.js';
 import { Notices, TaskLine } from './ui/status.js';
@@ -27,6 +28,7 @@ const PAGES: readonly (readonly [StudioState['page'], string])[] = [
   ['stage', 'Stage'],
   ['crowd', 'Crowd'],
   ['flat', 'Flat'],
+  ['stream', 'Stream'],
 ];
 
 const app = document.querySelector('#app') as HTMLElement;
@@ -79,6 +81,7 @@ function show(studio: Studio, viewport: Viewport): void {
     stage: () => new StagePage(studio, viewport),
     crowd: () => new CrowdPage(studio, viewport),
     flat: () => new FlatPage(studio, viewport),
+    stream: () => new StreamPage(studio, viewport),
   };
   const made = new Map<string, Page>();
   let current: Page | undefined;

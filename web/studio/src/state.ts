@@ -1,6 +1,6 @@
 /** What a permalink holds. Only values that differ from these are written. */
 export interface StudioState {
-  page: 'stage' | 'crowd' | 'flat';
+  page: 'stage' | 'crowd' | 'flat' | 'stream';
   clip: string;
   /** Time of the clip in seconds, where it is paused. */
   at: number;
@@ -36,6 +36,15 @@ export interface StudioState {
   form: 'svg' | 'player' | 'lottie';
   triangles: number;
   yaw: number;
+  /** Name of a character of the server; the first without. */
+  character: string;
+  by: 'http' | 'session';
+  /** Kilobits per second; 0 for as many as come. */
+  kbps: number;
+  /** Error in pixels that the viewer tolerates. */
+  wanted: number;
+  /** Megabytes that the decoded character may take; 0 for any. */
+  memory: number;
 }
 
 const USUAL: Readonly<StudioState> = {
@@ -74,11 +83,16 @@ const USUAL: Readonly<StudioState> = {
   form: 'svg',
   triangles: 0,
   yaw: 0,
+  character: '',
+  by: 'session',
+  kbps: 0,
+  wanted: 0.5,
+  memory: 0,
 };
 
 /** Words that the fields of a few known words may have. */
 const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
-  page: ['stage', 'crowd', 'flat'],
+  page: ['stage', 'crowd', 'flat', 'stream'],
   columns: ['one', 'two', 'levels'],
   body: ['solid', 'clear', 'none'],
   rule: ['sum', 'restrict'],
@@ -88,6 +102,7 @@ const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
   passive: ['hold', 'rest'],
   detail: ['tolerance', 'budget', 'full'],
   form: ['svg', 'player', 'lottie'],
+  by: ['http', 'session'],
 };
 
 /** Ranges of the numbers; others are at least 0. */
@@ -101,6 +116,9 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   pixels: [0.05, 64],
   tolerance: [0.1, 32],
   budget: [0.02, 16],
+  kbps: [0, 100_000],
+  wanted: [0, 16],
+  memory: [0, 4096],
 };
 
 /** Reads a fragment such as `#stage?clip=walk&complexity=Low`; what it does not know is left out. */

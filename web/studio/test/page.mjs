@@ -2,7 +2,7 @@
 import { readFileSync } from 'node:fs';
 
 /** Opens the studio at a fragment, waits until it shows frames, and stops its clock. */
-export async function openStudio(browser, address, { hash = '', width = 640, height = 560 } = {}) {
+export async function openStudio(browser, address, { hash = '', width = 640, height = 560, path = '/studio/dist/index.html' } = {}) {
   const context = await browser.newContext({ viewport: { width, height } });
   context.setDefaultTimeout(10_000);
   const page = await context.newPage();
@@ -21,7 +21,7 @@ export async function openStudio(browser, address, { hash = '', width = 640, hei
       errors.push(`request: ${request.url()}`);
     }
   });
-  await page.goto(`${address}/studio/dist/index.html${hash}`);
+  await page.goto(`${address}${path}${hash}`);
   await page.waitForFunction(() => globalThis.articulaStudio?.frames > 1, undefined, { timeout: 40_000 });
   await page.evaluate(() => globalThis.articulaStudio.viewport.run(false));
   return { context, page, errors, requests };

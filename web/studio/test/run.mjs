@@ -8,6 +8,7 @@ import { LOOKS } from './looks.mjs';
 import { native } from './native.mjs';
 import { OFFLINE } from './offline.mjs';
 import { STEERING } from './steering.mjs';
+import { closeStore, STREAMS } from './streams.mjs';
 
 const started = await browser();
 if (started === undefined) {
@@ -21,7 +22,7 @@ let programs;
 const counts = { passed: 0, failed: 0 };
 try {
   const words = process.argv.slice(2);
-  for (const { name, needs, run } of [...STEERING, ...OFFLINE, ...FAULTS, ...LOOKS].filter((test) => words.every((word) => test.name.includes(word)))) {
+  for (const { name, needs, run } of [...STEERING, ...OFFLINE, ...FAULTS, ...LOOKS, ...STREAMS].filter((test) => words.every((word) => test.name.includes(word)))) {
     const start = performance.now();
     if (needs === 'native') {
       programs ??= native();
@@ -39,6 +40,7 @@ try {
   await started.close();
   server.close();
   programs?.end();
+  await closeStore();
 }
 console.log(`${counts.passed} passed, ${counts.failed} failed`);
 process.exitCode = counts.failed === 0 && counts.passed > 0 ? 0 : 1;

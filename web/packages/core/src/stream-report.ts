@@ -10,6 +10,8 @@ export interface StreamReport {
   readonly levels: number;
   /** Finest level of articulation of what plays now, 5 is the finest; undefined where it has none. */
   readonly loa: number | undefined;
+  /** Joints that its layers move. */
+  readonly joints: number | undefined;
   /** Finest level of the mesh that is there everywhere, 0 is the finest. */
   readonly meshLevel: number | undefined;
   /** Longer side of the coarsest texture in pixels. */
@@ -29,6 +31,7 @@ interface ModuleReport {
   readonly target: number;
   readonly levels: number;
   readonly loa: number | null;
+  readonly joints: number | null;
   readonly mesh_level: number | null;
   readonly texture_px: number | null;
   readonly error_px: number | null;
@@ -46,6 +49,7 @@ export function readReport(json: string): StreamReport {
     target,
     levels,
     loa: report.loa ?? undefined,
+    joints: report.joints ?? undefined,
     meshLevel: report.mesh_level ?? undefined,
     texturePx: report.texture_px ?? undefined,
     errorPx: report.error_px ?? undefined,

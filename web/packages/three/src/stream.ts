@@ -2,6 +2,7 @@ import {
   type ArrivedParts,
   ArticulaError,
   CharacterStream,
+  type StreamContext,
   type StreamOptions,
   type StreamReport,
   type StreamState,
@@ -52,7 +53,7 @@ export class ArticulaStream extends Object3D<StreamEventMap> {
   mesh: FigureMesh | undefined;
   /** Resolves when the base is shown; rejects if that cannot be. */
   readonly ready: Promise<this>;
-  readonly #source: readonly [string | URL, string, StreamOptions];
+  #source: readonly [string | URL, string, StreamOptions];
   readonly #sockets = new Map<string, Object3D>();
   #stream: CharacterStream | undefined;
   #shown: Shown | undefined;
@@ -62,6 +63,7 @@ export class ArticulaStream extends Object3D<StreamEventMap> {
   #distance = 0;
   #state: StreamState = 'connecting';
   #wanted: readonly [string, number] | undefined;
+  #context: StreamContext | undefined;
   #resolve: (stream: this) => void = () => undefined;
   #reject: (error: unknown) => void = () => undefined;
 
@@ -113,6 +115,15 @@ export class ArticulaStream extends Object3D<StreamEventMap> {
       indexIn(clips, clip, 'clip', this.name);
     }
     this.#stream.play(clip, secs);
+    return this;
+  }
+
+  /** Tells what has changed of network, device or viewer: all of it, as at first. */
+  setContext(context: StreamContext): this {
+    const [server, character, options] = this.#source;
+    this.#source = [server, character, { ...options, context }];
+    this.#context = context;
+    this.#stream?.setContext(context);
     return this;
   }
 
@@ -174,6 +185,9 @@ export class ArticulaStream extends Object3D<StreamEventMap> {
     this.#stream = stream;
     if (this.#wanted !== undefined) {
       stream.play(...this.#wanted);
+    }
+    if (this.#context !== undefined) {
+      stream.setContext(this.#context);
     }
   }
 
