@@ -34,6 +34,8 @@ const MOST_STILL: u64 = 12_000;
 /// fewer frames.
 const ATTEMPTS: usize = 5;
 const FRAME_ATTEMPTS: usize = 2;
+/// With fewer frames each of them moves farther, so that bytes fall more slowly: frames as a power of bytes.
+const BYTES_TO_FRAMES: f64 = 1.5;
 /// Compression is worse for a smaller file: a share that is aimed at.
 const AIM: f64 = 0.95;
 /// How many times as many bytes as allowed an animated picture may have before coarser tolerances.
@@ -148,10 +150,8 @@ impl<'a> Maker<'a> {
                 break;
             }
             let share = AIM * MOST_MOVING as f64 / made.sent as f64;
-            let slower = made
-                .framed
-                .with_rate(made.framed.options.fps * share as f32)?;
-            made = self.within(slower, Profile::Smil, MOST_MOVING)?;
+            let fps = made.framed.options.fps * share.powf(BYTES_TO_FRAMES) as f32;
+            made = self.within(made.framed.with_rate(fps)?, Profile::Smil, MOST_MOVING)?;
         }
         let clip = self.of_clip().map(|clip| clip.name.clone());
         let between = between_px(&made.framed)?;
