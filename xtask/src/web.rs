@@ -49,8 +49,8 @@ const STREAM: Module = Module {
 
 const PUBLISH: Module = Module {
     name: "publish",
-    contents: "2D output, packaging, motions of faces, evaluation",
-    limit: 1_600_000,
+    contents: "2D output, packaging, lighter files, motions of faces, evaluation",
+    limit: 1_750_000,
 };
 
 const MODULES: [&Module; 4] = [&PLAY, &TOOLS, &STREAM, &PUBLISH];

@@ -64,7 +64,7 @@ impl Fault {
     }
 
     /// A request for more memory than there is.
-    #[cfg(any(feature = "play", feature = "tools"))]
+    #[cfg(any(feature = "play", feature = "publish"))]
     pub(crate) fn too_large(message: impl Into<String>) -> Self {
         Self {
             code: "too-large",

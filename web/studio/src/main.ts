@@ -4,6 +4,7 @@ import './styles/pages.css';
 
 import { CrowdPage } from './crowd/crowd.js';
 import { FlatPage } from './flat/flat.js';
+import { LighterPage } from './lighter/lighter.js';
 import { StagePage } from './stage/stage.js';
 import { readState, type StudioState } from './state.js';
 import { StreamPage } from './stream/stream.js';
@@ -28,6 +29,7 @@ const PAGES: readonly (readonly [StudioState['page'], string])[] = [
   ['stage', 'Stage'],
   ['crowd', 'Crowd'],
   ['flat', 'Flat'],
+  ['lighter', 'Lighter'],
   ['stream', 'Stream'],
 ];
 
@@ -81,6 +83,7 @@ function show(studio: Studio, viewport: Viewport): void {
     stage: () => new StagePage(studio, viewport),
     crowd: () => new CrowdPage(studio, viewport),
     flat: () => new FlatPage(studio, viewport),
+    lighter: () => new LighterPage(studio, viewport),
     stream: () => new StreamPage(studio, viewport),
   };
   const made = new Map<string, Page>();

@@ -1,6 +1,6 @@
 /** What a permalink holds. Only values that differ from these are written. */
 export interface StudioState {
-  page: 'stage' | 'crowd' | 'flat' | 'stream';
+  page: 'stage' | 'crowd' | 'flat' | 'lighter' | 'stream';
   clip: string;
   /** Time of the clip in seconds, where it is paused. */
   at: number;
@@ -36,6 +36,11 @@ export interface StudioState {
   form: 'svg' | 'player' | 'lottie';
   triangles: number;
   yaw: number;
+  /** Error in pixels that a lighter file may have. */
+  lost: number;
+  compress: 'ext' | 'khr' | 'none';
+  keys: boolean;
+  attributes: boolean;
   /** Name of a character of the server; the first without. */
   character: string;
   by: 'http' | 'session';
@@ -83,6 +88,10 @@ const USUAL: Readonly<StudioState> = {
   form: 'svg',
   triangles: 0,
   yaw: 0,
+  lost: 1,
+  compress: 'ext',
+  keys: false,
+  attributes: false,
   character: '',
   by: 'session',
   kbps: 0,
@@ -92,7 +101,7 @@ const USUAL: Readonly<StudioState> = {
 
 /** Words that the fields of a few known words may have. */
 const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
-  page: ['stage', 'crowd', 'flat', 'stream'],
+  page: ['stage', 'crowd', 'flat', 'lighter', 'stream'],
   columns: ['one', 'two', 'levels'],
   body: ['solid', 'clear', 'none'],
   rule: ['sum', 'restrict'],
@@ -102,6 +111,7 @@ const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
   passive: ['hold', 'rest'],
   detail: ['tolerance', 'budget', 'full'],
   form: ['svg', 'player', 'lottie'],
+  compress: ['ext', 'khr', 'none'],
   by: ['http', 'session'],
 };
 
@@ -116,6 +126,7 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   pixels: [0.05, 64],
   tolerance: [0.1, 32],
   budget: [0.02, 16],
+  lost: [0.05, 16],
   kbps: [0, 100_000],
   wanted: [0, 16],
   memory: [0, 4096],

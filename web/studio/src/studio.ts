@@ -12,6 +12,12 @@ export interface Character {
   readonly name: string;
 }
 
+/** A file as it was given. */
+export interface SourceFile {
+  readonly bytes: Uint8Array;
+  readonly name: string;
+}
+
 /** Files that the page opens without a worker. */
 const IS_PLAYED = /\.(glb|vrm)$/i;
 /** Files that are motions: they are added to the character. */
@@ -32,12 +38,15 @@ export class Studio extends EventTarget {
   readonly notices: Notices;
   readonly tools: KeptTools;
   character: Character;
+  /** The file of the character as it was given, before anything was made of it. */
+  source: SourceFile;
   #link = 0;
 
   private constructor(articula: Articula, character: Character, task: TaskLine, notices: Notices, tools: KeptTools) {
     super();
     this.articula = articula;
     this.character = character;
+    this.source = character;
     this.task = task;
     this.notices = notices;
     this.tools = tools;
@@ -94,6 +103,7 @@ export class Studio extends EventTarget {
   async #openCharacter(bytes: Uint8Array, name: string): Promise<void> {
     // What is still made of the file before must not come after this one.
     this.task.cancel();
+    this.source = { bytes, name };
     if (IS_PLAYED.test(name)) {
       // It plays at once, and with its tables when they are there.
       this.#show(await opened(this.articula, bytes, name));
@@ -135,6 +145,7 @@ export class Studio extends EventTarget {
     this.state.clip = added ?? '';
     this.#show(next);
     this.notices.say(`${name} now moves ${character.name}.`);
+    this.source = { bytes: moved, name: character.name };
     await this.#prepare(moved, character.name);
   }
 

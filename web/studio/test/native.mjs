@@ -1,6 +1,6 @@
 // What the library does on this machine: a file that it prepares now, the palettes that its player shows, and programs.
 import { execFileSync } from 'node:child_process';
-import { copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, statSync } from 'node:fs';
+import { copyFileSync, existsSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -36,6 +36,13 @@ export function native() {
     /** Hash FNV-1a of the palettes of twelve frames of FigurePlayer. */
     palettes: steps.split('\n').find((line) => line.startsWith('palettes of the figure: '))?.slice(-16),
     rows: (...words) => JSON.parse(run('lod', file, '--json', ...words)).rows,
+    /** A file in fewer bytes, and the report about it. */
+    optimized(bytes, ...words) {
+      const [from, to] = ['heavy.glb', 'lighter.glb'].map((name) => join(folder, name));
+      writeFileSync(from, bytes);
+      const report = JSON.parse(run('optimize', from, to, '--force', '--json', ...words));
+      return { report, bytes: readFileSync(to) };
+    },
     /** Names of the joints that an expression chooses, from the profile that the program writes. */
     joints(expression) {
       const profile = join(folder, 'loa.json');

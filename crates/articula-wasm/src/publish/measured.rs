@@ -1,30 +1,41 @@
-//! A moving picture with what it costs and shows.
+//! Files with what they cost and show.
 
 use super::{Publisher, flattened};
 use crate::error::Fault;
 use crate::progress::ProgressCallback;
+use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-/// A moving picture, and its report.
+/// A file, and the report about it.
 #[wasm_bindgen]
 #[derive(Debug)]
-pub struct MeasuredPicture {
+pub struct MeasuredFile {
     bytes: Vec<u8>,
     report: String,
 }
 
 #[wasm_bindgen]
-impl MeasuredPicture {
+impl MeasuredFile {
     /// The file, copied.
     #[wasm_bindgen(getter)]
     pub fn bytes(&self) -> Vec<u8> {
         self.bytes.clone()
     }
 
-    /// Sizes, errors and settings as JSON, as `articula flatten --json` prints them.
+    /// Sizes, errors and settings as JSON, as the command of the program prints them with `--json`.
     #[wasm_bindgen(getter)]
     pub fn report(&self) -> String {
         self.report.clone()
+    }
+}
+
+impl MeasuredFile {
+    pub(super) fn new(bytes: Vec<u8>, report: &impl Serialize, name: &str) -> Result<Self, Fault> {
+        let report = serde_json::to_string(report).map_err(|error| {
+            let error = articula::Error::Write(Box::new(error));
+            Fault::of_file(&error, name)
+        })?;
+        Ok(Self { bytes, report })
     }
 }
 
@@ -37,12 +48,8 @@ impl Publisher {
         name: &str,
         options: Option<String>,
         progress: Option<ProgressCallback>,
-    ) -> Result<MeasuredPicture, JsValue> {
+    ) -> Result<MeasuredFile, JsValue> {
         let (bytes, report) = flattened(bytes, name, options.as_deref(), progress)?;
-        let report = serde_json::to_string(&report).map_err(|error| {
-            let error = articula::Error::Write(Box::new(error));
-            Fault::of_file(&error, name)
-        })?;
-        Ok(MeasuredPicture { bytes, report })
+        Ok(MeasuredFile::new(bytes, &report, name)?)
     }
 }

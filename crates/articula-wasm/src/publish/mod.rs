@@ -1,9 +1,10 @@
-//! What is made and measured of an opened character: moving pictures, digital items, motions of its face, evaluation
-//! of motion level of detail. For a worker, as `tools`.
+//! What is made and measured of an opened character: moving pictures, digital items, lighter files, motions of its
+//! face, evaluation of motion level of detail. For a worker, as `tools`.
 
 mod evaluate;
 mod face;
 mod measured;
+mod optimize;
 mod options;
 mod packaged;
 

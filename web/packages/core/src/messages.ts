@@ -8,8 +8,8 @@ export interface Progress {
   readonly total: number;
 }
 
-/** A moving picture with its report, as JSON. */
-export interface PictureBytes {
+/** A file with its report, as JSON. */
+export interface MeasuredBytes {
   readonly bytes: Uint8Array;
   readonly report: string;
 }
@@ -34,6 +34,7 @@ export type Task =
   | FileTask<'flatten'>
   | FileTask<'flattenMeasured'>
   | FileTask<'evaluate'>
+  | FileTask<'optimize'>
   | FileTask<'inspect'>
   | FileTask<'package'>
   | (FileTask<'convert'> & { readonly to: string })
@@ -45,8 +46,8 @@ export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'ev
   ? string
   : Call extends 'package'
     ? PackagedBytes[]
-    : Call extends 'flattenMeasured'
-      ? PictureBytes
+    : Call extends 'flattenMeasured' | 'optimize'
+      ? MeasuredBytes
       : Uint8Array;
 
 /** What the page sends to a worker. */

@@ -1,7 +1,14 @@
 /** Runs one task of publishing in a worker, then ends. */
-import init, { Publisher } from '../wasm/publish.js';
-import type { PackagedBytes, PictureBytes } from './messages.js';
+import init, { type MeasuredFile, Publisher } from '../wasm/publish.js';
+import type { MeasuredBytes, PackagedBytes } from './messages.js';
 import { serve } from './scope.js';
+
+/** The file and its report, out of the module. */
+function copied(made: MeasuredFile): MeasuredBytes {
+  const copy = { bytes: made.bytes, report: made.report };
+  made.free();
+  return copy;
+}
 
 serve(
   (wasm) => init({ module_or_path: wasm ?? new URL('../wasm/publish_bg.wasm', import.meta.url) }),
@@ -10,12 +17,10 @@ serve(
     switch (task.call) {
       case 'flatten':
         return Publisher.flatten(bytes, name, options, report);
-      case 'flattenMeasured': {
-        const made = Publisher.flattenMeasured(bytes, name, options, report);
-        const picture: PictureBytes = { bytes: made.bytes, report: made.report };
-        made.free();
-        return picture;
-      }
+      case 'flattenMeasured':
+        return copied(Publisher.flattenMeasured(bytes, name, options, report));
+      case 'optimize':
+        return copied(Publisher.optimize(bytes, name, options, report));
       case 'package':
         return Publisher.package(bytes, name, options, report).map((file): PackagedBytes => {
           const copy = { name: file.name, bytes: file.bytes };

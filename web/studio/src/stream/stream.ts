@@ -75,7 +75,7 @@ export class StreamPage {
     const wanted = slider({ label: 'Tolerated error', min: 0, max: 8, step: 0.25, value: state.wanted, shown: (px) => `${px} px`, onInput: (px) => steer({ wanted: px }) });
     const memory = slider({ label: 'Memory for it', min: 0, max: 64, step: 1, value: state.memory, shown: (mb) => (mb === 0 ? 'any' : `${mb} MB`), onInput: (mb) => steer({ memory: mb }) });
     const anew = button('Begin anew', () => this.#connect(), 'primary');
-    const head = h('tr', {}, ...['', 'Character', 'Level', 'kbit/s', 'Sent'].map((text) => h('th', { scope: 'col' }, text)));
+    const head = h('tr', {}, ...['No.', 'Character', 'Level', 'kbit/s', 'Sent'].map((text) => h('th', { scope: 'col' }, text)));
     const table = h('table', {}, h('caption', {}, 'Open now, of all pages and programs'), h('thead', {}, head), this.#sessions);
     this.main = h('div', { class: 'stage crowd' }, h('div', { class: 'picture-frame' }, this.#note));
     this.panel = h('div', { class: 'panel-body' },
