@@ -15,14 +15,14 @@ export const PROGRAM = [process.env.ARTICULA, join(ROOT, 'target/debug/articula'
 );
 
 /**
- * Serves a character of the repository with one of its clips from a new folder, to pages of all origins; with a folder
- * of pages, these too.
+ * Serves a character of the repository with one of its clips from a new folder, to pages of all origins; `more` are
+ * words of `articula serve`.
  */
-export async function openStore(file, clip, name, pages) {
+export async function openStore(file, clip, name, more = []) {
   const folder = await mkdtemp(join(tmpdir(), 'store-'));
   const words = ['convert', join(ROOT, 'assets', file), join(folder, `${name}.glb`), '--clip', clip, '--quiet'];
   execFileSync(PROGRAM, words, { stdio: ['ignore', 'ignore', 'inherit'] });
-  let running = await start(folder, '127.0.0.1:0', pages);
+  let running = await start(folder, '127.0.0.1:0', more);
   const { url } = running;
   const stop = () =>
     new Promise((resolve) => {
@@ -36,9 +36,9 @@ export async function openStore(file, clip, name, pages) {
     });
   return {
     url,
-    async restart() {
-      await stop();
-      running = await start(folder, new URL(url).host, pages);
+    stop,
+    async start() {
+      running = await start(folder, new URL(url).host, more);
     },
     async close() {
       await stop();
@@ -48,8 +48,8 @@ export async function openStore(file, clip, name, pages) {
 }
 
 /** Starts the program; resolves when it listens. */
-async function start(folder, address, pages) {
-  const words = ['serve', folder, '--addr', address, '--allow-origin', '*', '--json', ...(pages === undefined ? [] : ['--studio', pages])];
+async function start(folder, address, more) {
+  const words = ['serve', folder, '--addr', address, '--allow-origin', '*', '--json', ...more];
   const child = spawn(PROGRAM, words, { stdio: ['ignore', 'pipe', 'inherit'] });
   // Nothing of a test outlives it.
   const end = () => child.kill('SIGKILL');

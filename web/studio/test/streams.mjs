@@ -16,7 +16,7 @@ const unless = (right, fault) => (right ? [] : [fault]);
 /** What all tests share: the server packages once. */
 let store;
 const address = async () => {
-  store ??= await openStore(KNIGHT, CLIP, 'knight', DIST);
+  store ??= await openStore(KNIGHT, CLIP, 'knight', ['--studio', DIST]);
   return store.url.replace(/\/$/, '');
 };
 

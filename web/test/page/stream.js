@@ -51,7 +51,7 @@ async function playUntil(stream, camera, isDone) {
 
 const triangles = ({ mesh }) => mesh.geometry.index.count / 3;
 
-/** Shows a character from its base until all has come; `window.restartServer` kills the server and starts it again. */
+/** Shows a character from its base until all has come; `window.stopServer` kills the server, `window.startServer` starts it again. */
 export async function stream(renderer, server, name, by) {
   const watched = watchFetch();
   const { scene, camera } = makeStage(3, 1);
@@ -68,7 +68,10 @@ export async function stream(renderer, server, name, by) {
   const { mesh } = figure;
   figure.update(0, camera);
   const atBase = { triangles: triangles(figure), report: figure.report, shown: shown(empty, draw(renderer, scene, camera)) };
-  await window.restartServer();
+  await window.stopServer();
+  // A browser may ask again by itself what a connection that is cut has not answered.
+  await playUntil(figure, camera, () => lost > 0);
+  await window.startServer();
   const isComplete = await playUntil(figure, camera, () => figure.state === 'complete' && refined > 1);
   figure.play(figure.clips[0], 0.2).update(0, camera);
   const last = { triangles: triangles(figure), report: figure.report, clips: figure.clips };
