@@ -49,7 +49,7 @@ const STREAM: Module = Module {
 
 const PUBLISH: Module = Module {
     name: "publish",
-    contents: "2D output, packaging, lighter files, motions of faces, evaluation",
+    contents: "2D output, packaging, lighter files, motions of faces, evaluation, benchmark",
     limit: 1_750_000,
 };
 

@@ -3,7 +3,7 @@
 //! Modules are built from this crate by `cargo xtask web`, each with the feature of its name: *play* opens GLB and VRM
 //! files and plays figures and crowds, *stream* shows a character of a server while it arrives; *tools* prepares,
 //! converts and describes characters of all formats in a worker, *publish* makes 2D pictures, items and lighter
-//! files of them, moves their faces and evaluates level of detail. The documentation of a class is that of its TypeScript declaration. `docs/web.md` describes all.
+//! files of them, moves their faces, evaluates level of detail and benchmarks the device. The documentation of a class is that of its TypeScript declaration. `docs/web.md` describes all.
 //!
 //! - `asset::Asset`: an opened character; `geometry::Geometry`: the vertices of a mesh
 //! - `figure::Figure`: one character in motion; `crowd::Crowd`: many of one character

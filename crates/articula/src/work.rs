@@ -98,8 +98,11 @@ impl<'a> Executor<'a> {
         }
     }
 
-    /// Reports one finished part.
-    pub(crate) fn step(&self, what: &'static str, done: usize, of: usize) -> Result<()> {
+    /// Tells of a step of work that the caller does itself.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] if the callback asks to stop.
+    pub fn step(&self, what: &'static str, done: usize, of: usize) -> Result<()> {
         let step = Step { what, done, of };
         match self.on_step.map(|tell| tell(step)) {
             Some(ControlFlow::Break(())) => Err(Error::Cancelled),

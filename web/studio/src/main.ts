@@ -3,6 +3,7 @@ import './styles/controls.css';
 import './styles/pages.css';
 
 import { CrowdPage } from './crowd/crowd.js';
+import { DevicesPage } from './devices/devices.js';
 import { FlatPage } from './flat/flat.js';
 import { LighterPage } from './lighter/lighter.js';
 import { StagePage } from './stage/stage.js';
@@ -31,6 +32,7 @@ const PAGES: readonly (readonly [StudioState['page'], string])[] = [
   ['flat', 'Flat'],
   ['lighter', 'Lighter'],
   ['stream', 'Stream'],
+  ['devices', 'Devices'],
 ];
 
 const app = document.querySelector('#app') as HTMLElement;
@@ -85,6 +87,7 @@ function show(studio: Studio, viewport: Viewport): void {
     flat: () => new FlatPage(studio, viewport),
     lighter: () => new LighterPage(studio, viewport),
     stream: () => new StreamPage(studio, viewport),
+    devices: () => new DevicesPage(studio, viewport),
   };
   const made = new Map<string, Page>();
   let current: Page | undefined;

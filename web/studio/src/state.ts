@@ -1,6 +1,6 @@
 /** What a permalink holds. Only values that differ from these are written. */
 export interface StudioState {
-  page: 'stage' | 'crowd' | 'flat' | 'lighter' | 'stream';
+  page: 'stage' | 'crowd' | 'flat' | 'lighter' | 'stream' | 'devices';
   clip: string;
   /** Time of the clip in seconds, where it is paused. */
   at: number;
@@ -41,6 +41,8 @@ export interface StudioState {
   compress: 'ext' | 'khr' | 'none';
   keys: boolean;
   attributes: boolean;
+  /** Most seconds of frames of a benchmark. */
+  seconds: number;
   /** Name of a character of the server; the first without. */
   character: string;
   by: 'http' | 'session';
@@ -92,6 +94,7 @@ const USUAL: Readonly<StudioState> = {
   compress: 'ext',
   keys: false,
   attributes: false,
+  seconds: 5,
   character: '',
   by: 'session',
   kbps: 0,
@@ -101,7 +104,7 @@ const USUAL: Readonly<StudioState> = {
 
 /** Words that the fields of a few known words may have. */
 const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
-  page: ['stage', 'crowd', 'flat', 'lighter', 'stream'],
+  page: ['stage', 'crowd', 'flat', 'lighter', 'stream', 'devices'],
   columns: ['one', 'two', 'levels'],
   body: ['solid', 'clear', 'none'],
   rule: ['sum', 'restrict'],
@@ -127,6 +130,7 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   tolerance: [0.1, 32],
   budget: [0.02, 16],
   lost: [0.05, 16],
+  seconds: [1, 60],
   kbps: [0, 100_000],
   wanted: [0, 16],
   memory: [0, 4096],

@@ -30,4 +30,4 @@ const looks = (hash, name) => ({
   },
 });
 
-export const LOOKS = [looks('#stage', 'stage'), looks('#crowd?count=25', 'crowd'), looks('#flat', 'flat'), looks('#lighter', 'lighter')];
+export const LOOKS = [looks('#stage', 'stage'), looks('#crowd?count=25', 'crowd'), looks('#flat', 'flat'), looks('#lighter', 'lighter'), looks('#devices', 'devices')];

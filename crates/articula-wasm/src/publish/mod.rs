@@ -1,6 +1,7 @@
 //! What is made and measured of an opened character: moving pictures, digital items, lighter files, motions of its
-//! face, evaluation of motion level of detail. For a worker, as `tools`.
+//! face, evaluation of motion level of detail, what the device can play. For a worker, as `tools`.
 
+mod benchmark;
 mod evaluate;
 mod face;
 mod measured;

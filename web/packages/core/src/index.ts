@@ -7,6 +7,7 @@ export { FigureArrays, type FigureOffsets, MATRIX_FLOATS } from './figure.js';
 export type { PackagedBytes, Progress } from './messages.js';
 export {
   type AddClipsOptions,
+  type BenchmarkOptions,
   type ConvertOptions,
   type EvaluateOptions,
   type FlattenOptions,

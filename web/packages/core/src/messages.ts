@@ -35,6 +35,7 @@ export type Task =
   | FileTask<'flattenMeasured'>
   | FileTask<'evaluate'>
   | FileTask<'optimize'>
+  | FileTask<'benchmark'>
   | FileTask<'inspect'>
   | FileTask<'package'>
   | (FileTask<'convert'> & { readonly to: string })
@@ -42,7 +43,7 @@ export type Task =
   | (FileTask<'addClips'> & { readonly motion: Uint8Array; readonly motionName: string });
 
 /** What a task returns. */
-export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'evaluate'
+export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'evaluate' | 'benchmark'
   ? string
   : Call extends 'package'
     ? PackagedBytes[]

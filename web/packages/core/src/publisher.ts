@@ -29,6 +29,8 @@ serve(
         });
       case 'addFaceClip':
         return Publisher.addFaceClip(bytes, name, task.motion, task.motionName, report);
+      case 'benchmark':
+        return Publisher.benchmark(bytes, name, options, report);
       case 'evaluate':
         return Publisher.evaluate(bytes, name, options, report);
       default:

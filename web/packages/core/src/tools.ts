@@ -60,6 +60,14 @@ export interface OptimizeOptions extends TaskOptions {
   readonly keepAttributes?: boolean | undefined;
 }
 
+/** Options of {@link Tools.benchmark}. */
+export interface BenchmarkOptions extends TaskOptions {
+  /** One walking figure, drawn; a face, drawn; or many figures, posed. `body` if left out. */
+  readonly application?: 'body' | 'face' | 'crowd' | undefined;
+  /** Most seconds of frames; 10 if left out. */
+  readonly seconds?: number | undefined;
+}
+
 /** Options of {@link Tools.evaluate}. */
 export interface EvaluateOptions extends TaskOptions {
   /** The clip to play; the first if left out. */
@@ -95,7 +103,7 @@ export interface ToolsSource {
 const IS_PUBLISHED = /\.(glb|vrm)$/i;
 
 /** What the publisher does. */
-const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'evaluate', 'optimize']);
+const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'evaluate', 'optimize', 'benchmark']);
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -162,6 +170,12 @@ export class Tools {
   async evaluate(bytes: Uint8Array, name: string, options: EvaluateOptions = {}): Promise<unknown> {
     const file = await this.#published(bytes, name, options);
     return JSON.parse(await this.#run({ call: 'evaluate', ...file, ...split(options) }));
+  }
+
+  /** Returns what this device can play of a character, as `articula bench device --json` tells it, beside the reference. */
+  async benchmark(bytes: Uint8Array, name: string, options: BenchmarkOptions = {}): Promise<unknown> {
+    const file = await this.#published(bytes, name, options);
+    return JSON.parse(await this.#run({ call: 'benchmark', ...file, ...split(options) }));
   }
 
   /** Returns what is in a file: joints, clips, meshes, face, warnings. */
