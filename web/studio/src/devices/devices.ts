@@ -108,9 +108,9 @@ export class DevicesPage {
       const predicted = ((reference?.fps ?? 0) * result.score) / 100;
       return h('tr', {},
         h('td', {}, reference === undefined ? String(grade) : inWords(application, reference)),
-        ...[reference?.fps ?? 0, predicted, fps].map((value) => h('td', { class: 'number' }, value.toFixed(value < 100 ? 1 : 0))));
+        ...[fps, predicted, reference?.fps ?? 0].map((value) => h('td', { class: 'number' }, value.toFixed(value < 100 ? 1 : 0))));
     });
-    const head = ['Content', 'Reference', 'By the score', 'Measured'].map((text) => h('th', { scope: 'col' }, text));
+    const head = ['Content', 'Measured', 'Predicted', 'At 100 %'].map((text) => h('th', { scope: 'col' }, text));
     const caption = 'Frames a second';
     const table = h('table', {}, h('caption', {}, caption), h('thead', {}, h('tr', {}, ...head)), h('tbody', {}, ...rows));
     out.dataset.result = JSON.stringify(result);
@@ -146,5 +146,5 @@ export class DevicesPage {
 
 /** A grade in words. */
 function inWords(application: Application, { figures, loa, size_px: [width, height] }: Reference): string {
-  return application === 'crowd' ? `${figures.toLocaleString('en')} figures` : `level ${loa}, ${width} × ${height}`;
+  return application === 'crowd' ? `${figures.toLocaleString('en')} figures` : `LoA ${loa}, ${width}×${height}`;
 }
