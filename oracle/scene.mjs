@@ -60,7 +60,9 @@ export async function openScene(file) {
   const { document, binary } = open(new Uint8Array(await readFile(file)));
   const whole = await withBuffers(withoutPictures(document), binary, dirname(file));
   const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
-  const gltf = await loader.parseAsync(JSON.stringify(whole), "");
+  // The loader knows one of the two names of the same compression.
+  const json = JSON.stringify(whole).replaceAll("KHR_meshopt_compression", "EXT_meshopt_compression");
+  const gltf = await loader.parseAsync(json, "");
   const count = document.nodes?.length ?? 0;
   const nodes = await Promise.all(
     Array.from({ length: count }, (_, index) => gltf.parser.getDependency("node", index)),

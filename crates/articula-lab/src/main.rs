@@ -30,6 +30,7 @@ use tables::flat;
 use tables::impostors;
 use tables::merged_levels::Sheets;
 use tables::mesh_levels::Choice;
+use tables::optimize;
 use tables::retargets::Pictures;
 use tables::sessions;
 
@@ -75,6 +76,8 @@ enum Table {
     MergedLevels(Sheets),
     /// Mesh levels: error in motion, bytes and speed, beside meshoptimizer and Draco.
     MeshLevels(Choice),
+    /// Lighter files: bytes at equal error in motion, beside other optimisers.
+    Optimize(optimize::Choice),
     /// Levels of articulation of faces: parameters, errors and time (the thesis' 3.1.3 and 6.1).
     FaceLevels,
     /// Mesh levels of faces: feature points that survive, and errors while the face moves.
@@ -131,6 +134,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::Impostors(sheets) => impostors::write(run, sheets),
         Table::MergedLevels(sheets) => tables::merged_levels::write(run, sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(run, choice),
+        Table::Optimize(choice) => optimize::write(run, choice),
         Table::FaceLevels => tables::face_levels::write(run),
         Table::FaceMeshLevels => tables::face_mesh_levels::write(run),
         Table::Flat(choice) => flat::write(run, choice),

@@ -49,6 +49,7 @@ tables! {
     merged_levels: "merged-levels" writes "merged-levels.md";
     mesh_levels: "mesh-levels" writes "mesh-levels.md";
     motion_lod: "motion-lod" writes "motion-lod.md";
+    optimize: "optimize" writes "optimize.md";
     retargets: "retargets" writes "retargets.md";
     streams: "streams" writes "streams.md";
     thesis_grid: "thesis-grid" writes "thesis-grid.md";

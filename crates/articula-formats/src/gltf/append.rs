@@ -188,6 +188,16 @@ pub(super) fn exact(numbers: &[f32]) -> Value {
     numbers.iter().map(|x| json!(f64::from(*x))).collect()
 }
 
+/// Returns floats as the JSON numbers of fewest digits that are read as the same floats.
+pub(super) fn shortest(numbers: &[f32]) -> Value {
+    let shortest = |x: &f32| match x.to_string().parse::<f64>() {
+        Ok(number) if number.fract() == 0.0 && number.abs() < 1e6 => json!(number as i64),
+        Ok(number) => json!(number),
+        Err(_) => json!(f64::from(*x)),
+    };
+    numbers.iter().map(shortest).collect()
+}
+
 /// Returns floats in the byte layout of a buffer.
 pub(super) fn float_bytes<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Vec<u8> {
     numbers.into_iter().flat_map(|x| x.to_le_bytes()).collect()

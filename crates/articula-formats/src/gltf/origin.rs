@@ -9,6 +9,7 @@ use super::reader::{Notes, Reader};
 use crate::error::ReadError;
 use crate::limits::Limits;
 use std::collections::HashMap;
+use std::hash::Hash;
 
 /// Origin of a part of a mesh in the document.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -99,22 +100,41 @@ pub(super) fn classes(
 ) -> Result<Vec<u32>, ReadError> {
     let mut classes = vec![0; vertices.len()];
     for index in vertex_arrays(primitive)? {
-        let accessor = reader.accessor(&index)?;
-        let overlay = accessor.overlay()?;
-        // Classes of the arrays so far and the bytes of this one map to new classes.
-        let mut first = HashMap::new();
-        for ((v, class), raw) in (0u32..).zip(&mut classes).zip(vertices) {
-            let raw = *raw as usize;
-            if raw >= accessor.count {
-                return Err(index.malformed("fewer elements than vertices"));
-            }
-            let bytes = overlay.get(&raw).copied().or_else(|| accessor.stored(raw));
-            // Stored zeros equal implicit zeros.
-            let bytes = bytes.filter(|b| b.iter().any(|byte| *byte != 0));
-            *class = *first.entry((*class, bytes)).or_insert(v);
-        }
+        split_by_bytes(reader, &index, vertices, &mut classes)?;
     }
     Ok(classes)
+}
+
+/// Splits classes of vertices by the bytes of an array.
+pub(super) fn split_by_bytes(
+    reader: &Reader<'_>,
+    index: &Place<'_>,
+    vertices: &[u32],
+    classes: &mut [u32],
+) -> Result<(), ReadError> {
+    let accessor = reader.accessor(index)?;
+    let overlay = accessor.overlay()?;
+    let mut keys = Vec::with_capacity(vertices.len());
+    for raw in vertices {
+        let raw = *raw as usize;
+        if raw >= accessor.count {
+            return Err(index.malformed("fewer elements than vertices"));
+        }
+        let bytes = overlay.get(&raw).copied().or_else(|| accessor.stored(raw));
+        // Stored zeros equal implicit zeros.
+        keys.push(bytes.filter(|b| b.iter().any(|byte| *byte != 0)));
+    }
+    split(classes, keys);
+    Ok(())
+}
+
+/// Splits classes of vertices by keys, one for each: those of a class with equal keys become the class of the
+/// first of them.
+pub(super) fn split<K: Hash + Eq>(classes: &mut [u32], keys: impl IntoIterator<Item = K>) {
+    let mut first = HashMap::new();
+    for ((v, class), key) in (0u32..).zip(classes).zip(keys) {
+        *class = *first.entry((*class, key)).or_insert(v);
+    }
 }
 
 /// Returns the members of a primitive that refer to an array with one element per vertex.

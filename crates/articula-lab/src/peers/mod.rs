@@ -6,11 +6,13 @@
 //! - [`ranks`]: update rates by rank of distance
 //! - [`draco`]: Draco's codec in node
 //! - [`meshopt`]: meshoptimizer's simplifier and codecs
+//! - [`optimisers`]: gltfpack, glTF-Transform and the judge of their files, in node
 //! - [`quoted`]: published times that are quoted, not measured here
 
 pub(crate) mod draco;
 pub(crate) mod floor;
 pub(crate) mod meshopt;
+pub(crate) mod optimisers;
 pub(crate) mod quoted;
 pub(crate) mod ranks;
 pub(crate) mod structs;

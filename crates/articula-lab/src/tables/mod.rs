@@ -18,6 +18,7 @@ pub(crate) mod loa_cost;
 pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;
+pub(crate) mod optimize;
 mod pose_keys;
 mod random;
 pub(crate) mod retargets;

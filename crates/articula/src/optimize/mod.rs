@@ -78,10 +78,8 @@ pub struct Optimized {
 
 /// Number of times that a file is written more exactly where its error exceeds the bound.
 const ROUNDS: usize = 8;
-/// Number of times that meshes are rounded more finely, and the share of the bound that they may take in
-/// motion.
+/// Number of times that meshes are rounded more finely.
 const ROUNDS_OF_MESHES: usize = 4;
-const MESH_MOST: f32 = 0.8;
 /// Rounds after which clips that still exceed it keep all their keys, and the share of the bound below
 /// which they do at once.
 const ROUNDS_OF_CLIPS: usize = 5;
@@ -123,8 +121,9 @@ fn optimized(
     let bound = bound_metres(&source, options.error)?;
     let mut precision = MeshPrecision::of(&source, bound);
     let mut mesh = source.with_rounded_mesh(&precision)?;
+    let most = MeshPrecision::most(&source);
     for _ in 0..ROUNDS_OF_MESHES {
-        if Errors::measured(&source, &mesh, options, work)?.greatest() <= MESH_MOST * bound {
+        if Errors::measured(&source, &mesh, options, work)?.greatest() <= most * bound {
             break;
         }
         precision = precision.finer();

@@ -12,10 +12,8 @@ use articula_formats::gltf::{
     self, ArrayPrecision, BytesByKind, Compression, Document, KeySteps, WeightPrecision,
 };
 
-/// Share of the error for the rounding of positions, with clips and without. Halving it costs three bits
-/// a vertex.
-const MESH_SHARE: f32 = 0.25;
-const STILL_SHARE: f32 = 0.5;
+/// Numbers of all keys for each vertex below which they are few.
+const FEW_KEYS: usize = 5;
 /// Step of texture coordinates: a quarter of a texel of 1024.
 const TEXCOORD_STEP: f32 = 1.0 / 4096.0;
 
@@ -25,12 +23,50 @@ pub(super) struct Source {
     file: GltfSource,
 }
 
+/// Shares of the error for meshes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shares {
+    /// For the rounding of positions at rest. Halving it costs three bits a vertex.
+    rest: f32,
+    /// For the rounded mesh in motion, so that keys have the rest.
+    motion: f32,
+}
+
+impl Shares {
+    const OF_MOTION: Self = Self {
+        rest: 0.25,
+        motion: 0.8,
+    };
+    /// Where keys are few, a finer mesh costs more than further keys.
+    const OF_FEW_KEYS: Self = Self {
+        rest: 0.5,
+        motion: 0.95,
+    };
+    const STILL: Self = Self {
+        rest: 0.95,
+        motion: 1.0,
+    };
+
+    fn of(character: &Character) -> Self {
+        let numbers = character.clips.iter().flat_map(|clip| &clip.channels);
+        let numbers: usize = numbers.map(|channel| channel.values.len()).sum();
+        let primitives = character.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let vertices: usize = primitives.map(|p| p.positions.len()).sum();
+        match numbers {
+            0 => Self::STILL,
+            numbers if numbers < FEW_KEYS * vertices => Self::OF_FEW_KEYS,
+            _ => Self::OF_MOTION,
+        }
+    }
+}
+
 /// Precision of the meshes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MeshPrecision {
-    /// The step of the positions of each mesh of the document.
+    /// The first step of the positions of each mesh of the document.
     positions: Vec<f32>,
-    weights: WeightPrecision,
+    /// How often it was made finer.
+    times: usize,
 }
 
 impl MeshPrecision {
@@ -38,10 +74,7 @@ impl MeshPrecision {
     pub(super) fn of(source: &Source, bound: f32) -> Self {
         let document = &source.file.document;
         let rest = source.character.skeleton.model_rest();
-        let share = match source.character.clips.is_empty() {
-            true => STILL_SHARE,
-            false => MESH_SHARE,
-        };
+        let share = Shares::of(&source.character).rest;
         let mut steps = vec![f32::INFINITY; document.mesh_count()];
         for (mesh, node) in source
             .character
@@ -67,28 +100,41 @@ impl MeshPrecision {
         let exact = |step: f32| if step.is_finite() { step } else { 0.0 };
         Self {
             positions: steps.into_iter().map(exact).collect(),
-            weights: WeightPrecision::default(),
+            times: 0,
         }
     }
 
-    /// One step finer: first the weights, then the positions too.
+    /// The share of the error that a mesh may take.
+    pub(super) fn most(source: &Source) -> f32 {
+        Shares::of(&source.character).motion
+    }
+
+    /// One step finer.
     pub(super) fn finer(&self) -> Self {
-        let (weights, factor) = match self.weights {
-            WeightPrecision::Byte => (WeightPrecision::Short, 1.0),
-            _ => (WeightPrecision::Exact, 0.25),
-        };
         Self {
-            positions: self.positions.iter().map(|step| factor * step).collect(),
-            weights,
+            positions: self.positions.clone(),
+            times: self.times + 1,
+        }
+    }
+
+    /// Weights of 8 bits with positions of two bits more need less than weights of 10 bits.
+    fn weights_and_factor(&self) -> (WeightPrecision, f32) {
+        match self.times {
+            0 => (WeightPrecision::Byte, 1.0),
+            1 => (WeightPrecision::Byte, 0.25),
+            2 => (WeightPrecision::TenBits, 1.0),
+            3 => (WeightPrecision::TenBits, 0.25),
+            more => (WeightPrecision::Exact, 0.25f32.powi(more as i32 - 3)),
         }
     }
 
     fn arrays(&self, samplers: Vec<Vec<Option<KeySteps>>>) -> ArrayPrecision {
+        let (weights, factor) = self.weights_and_factor();
         ArrayPrecision {
-            positions: self.positions.clone(),
+            positions: self.positions.iter().map(|step| factor * step).collect(),
             samplers,
             texcoords: TEXCOORD_STEP,
-            weights: self.weights,
+            weights,
         }
     }
 }
@@ -114,7 +160,7 @@ impl Source {
             if !options.keep_attributes {
                 document.drop_unused_attributes();
             }
-            document.optimise_vertex_order()?;
+            document.optimise_vertex_order(TEXCOORD_STEP)?;
         }
         let read = gltf::read_document(document, &Limits::default())?;
         let (character, file) = GltfSource::split(read.value);

@@ -1,18 +1,21 @@
 //! Arrays as elements of few digits, in front of the filter of a compressed view.
 
 use super::super::accessor::{Accessor, Component};
+use super::super::append::{set, shortest};
 use super::super::place::Place;
 use super::super::reader::Reader;
 use super::ArrayPrecision;
+use super::offsets::Offsets;
 use super::role::Role;
 use crate::error::ReadError;
-use crate::meshopt::encode::{exponential, octahedral, quaternions};
+use crate::meshopt::encode::{exponential, exponential_points, octahedral, quaternions};
 use crate::meshopt::filter::undo;
 use crate::meshopt::{Filter, Mode};
 use articula_core::source::{Channel, Interpolation, Property};
+use serde_json::Value;
 
 /// Step of offsets of normals; normals themselves have 8 bits.
-const NORMAL_STEP: f32 = 1.0 / 256.0;
+const NORMAL_STEP: f32 = 1.0 / 128.0;
 const NORMAL_BITS: u32 = 8;
 
 /// An array in the form in which it is stored.
@@ -34,13 +37,23 @@ pub(super) struct Elements {
 
 impl Elements {
     /// Floats as multiples of a step.
-    fn stepped(floats: &[f32], width: usize, step: f32) -> Self {
+    pub(super) fn stepped(floats: &[f32], width: usize, step: f32) -> Self {
+        Self::floating(exponential(floats, step), width)
+    }
+
+    /// Points that are within the length of half a step along each axis, with bounds.
+    pub(super) fn points(floats: &[f32], step: f32) -> Self {
+        Self::floating(exponential_points(floats, step), 3).bounded()
+    }
+
+    /// Elements of the exponential filter.
+    pub(super) fn floating(bytes: Vec<u8>, width: usize) -> Self {
         Self {
             mode: Mode::Attributes,
             filter: Filter::Exponential,
             stride: 4 * width,
-            count: floats.len() / width,
-            bytes: exponential(floats, step),
+            count: bytes.len() / (4 * width),
+            bytes,
             component: Component::F32,
             normalized: false,
             is_bounded: false,
@@ -92,12 +105,43 @@ impl Elements {
         }
     }
 
-    fn bounded(self) -> Self {
+    /// Sets the bounds of the numbers of an accessor, as they are stored.
+    pub(super) fn set_bounds(&self, accessor: &mut Value) {
+        let floats = self.floats();
+        if self.component == Component::F32 {
+            let (least, most) = bounds(&floats, self.stride / 4, self.stride / 4);
+            set(accessor, "min", shortest(&least));
+            set(accessor, "max", shortest(&most));
+            return;
+        }
+        // Three shorts have the space of four.
+        let (least, most) = bounds(&floats, 3, self.stride / 2);
+        let whole = |floats: Vec<f32>| -> Value {
+            let numbers = floats.iter().map(|x| (x * 32767.0).round() as i32);
+            numbers.collect()
+        };
+        set(accessor, "min", whole(least));
+        set(accessor, "max", whole(most));
+    }
+
+    pub(super) fn bounded(self) -> Self {
         Self {
             is_bounded: true,
             ..self
         }
     }
+}
+
+/// Least and greatest of each of the first numbers of elements of a size.
+fn bounds(numbers: &[f32], width: usize, size: usize) -> (Vec<f32>, Vec<f32>) {
+    let of = |c: usize| numbers.iter().skip(c).step_by(size).copied();
+    let bound = |start: f32, pick: fn(f32, f32) -> f32| -> Vec<f32> {
+        (0..width).map(|c| of(c).fold(start, pick)).collect()
+    };
+    (
+        bound(f32::INFINITY, f32::min),
+        bound(f32::NEG_INFINITY, f32::max),
+    )
 }
 
 /// Returns the array that an accessor at a place describes, as it is stored for a role.
@@ -106,6 +150,7 @@ pub(super) fn elements<'a>(
     place: Place<'a>,
     role: Role,
     precision: &ArrayPrecision,
+    offsets: &mut Offsets,
 ) -> Result<Elements, ReadError> {
     let accessor = reader.accessor_at(place)?;
     let width = accessor.width();
@@ -122,7 +167,8 @@ pub(super) fn elements<'a>(
     }
     let floats = reader.floats(&accessor)?;
     let made = match role {
-        Role::Positions(step) => Some(Elements::stepped(&floats, width, step).bounded()),
+        Role::Positions(step) if width == 3 => Some(Elements::points(&floats, step)),
+        Role::Offsets { step, base } => Some(offsets.elements(reader, (base, step), &floats)?),
         Role::NormalOffsets => Some(Elements::stepped(&floats, width, NORMAL_STEP)),
         Role::Texcoords => Some(Elements::stepped(&floats, width, precision.texcoords)),
         Role::Values(step) => Some(Elements::stepped(&floats, width, step)),
@@ -148,8 +194,10 @@ fn exact(accessor: &Accessor<'_>, role: Role) -> Result<Elements, ReadError> {
             None => bytes.resize(bytes.len() + size, 0),
         }
     }
-    let is_bounded = matches!(role, Role::Positions(_) | Role::Times(_))
-        || accessor.place().has("min")
+    let is_bounded = matches!(
+        role,
+        Role::Positions(_) | Role::Offsets { .. } | Role::Times(_)
+    ) || accessor.place().has("min")
         || accessor.place().has("max");
     let whole = size.is_multiple_of(4);
     if whole || role.is_of_vertices() {

@@ -1,4 +1,4 @@
-//! Influences with weights in 8 or 16 bits that still sum to 1, the greatest first.
+//! Influences with weights in 8 or 10 bits that still sum to 1, the greatest four in the first set.
 //!
 //! Source: glTF 2.0, 3.7.3.3: the weights of a vertex, over all sets, must sum to 1, in 8 bits
 //! to 255; joints of weight 0 should be 0.
@@ -23,9 +23,9 @@ pub(super) fn influences(
     reader: &mut Reader<'_>,
     precision: WeightPrecision,
 ) -> Result<BTreeMap<usize, Elements>, ReadError> {
-    let (whole, size) = match precision {
-        WeightPrecision::Byte => (255, 1),
-        WeightPrecision::Short => (65_535, 2),
+    let whole = match precision {
+        WeightPrecision::Byte => 255,
+        WeightPrecision::TenBits => 1 << 10,
         WeightPrecision::Exact => return Ok(BTreeMap::new()),
     };
     let mut groups: BTreeSet<Vec<Set>> = BTreeSet::new();
@@ -49,18 +49,27 @@ pub(super) fn influences(
         let joint_size = if is_short { 2 } else { 1 };
         for ((joints, weights), set) in group.iter().zip(sorted) {
             let of_joints = set.iter().map(|(joint, _)| *joint);
-            out.insert(*joints, stored(of_joints, joint_size, false));
-            out.insert(
-                *weights,
-                stored(set.iter().map(|(_, part)| *part), size, true),
-            );
+            out.insert(*joints, integers(of_joints, joint_size, false));
+            let parts = set.iter().map(|(_, part)| *part);
+            let of_weights = match precision {
+                WeightPrecision::Byte => integers(parts, 1, true),
+                _ => fractions(parts, whole),
+            };
+            out.insert(*weights, of_weights);
         }
     }
     Ok(out)
 }
 
+/// Parts of a whole that is a power of two as floats, four to an element. Their sum is 1, to the bit.
+fn fractions(parts: impl Iterator<Item = u32>, whole: u32) -> Elements {
+    let part_of = 1.0 / whole as f32;
+    let floats: Vec<f32> = parts.map(|part| part as f32 * part_of).collect();
+    Elements::stepped(&floats, 4, part_of)
+}
+
 /// Numbers of 1 or 2 bytes, four to an element.
-fn stored(numbers: impl Iterator<Item = u32>, size: usize, normalized: bool) -> Elements {
+fn integers(numbers: impl Iterator<Item = u32>, size: usize, normalized: bool) -> Elements {
     let bytes: Vec<u8> = numbers
         .flat_map(|number| number.to_le_bytes()[..size].to_vec())
         .collect();
@@ -86,7 +95,7 @@ fn sets(primitive: &Place<'_>) -> Vec<Set> {
     (0..).map_while(set).collect()
 }
 
-/// The influences of each set, of each vertex the greatest first over all sets. `None` if they are not
+/// The influences of each set, of each vertex the greatest four in the first set. `None` if they are not
 /// four floats each.
 fn sorted(
     reader: &mut Reader<'_>,
@@ -117,11 +126,28 @@ fn sorted(
             .map(|(joint, part)| (if part == 0 { 0 } else { joint }, part))
             .collect();
         influences.sort_by_key(|(joint, part)| (Reverse(*part), *joint));
-        for (set, four) in out.iter_mut().zip(influences.chunks(4)) {
-            set.extend_from_slice(four);
+        for (set, four) in out.iter_mut().zip(influences.as_chunks().0) {
+            let before = set.last_chunk().copied().unwrap_or_default();
+            set.extend_from_slice(&in_places(four, &before));
         }
     }
     Ok(Some(out))
+}
+
+/// Four influences, each in the place that its joint had with the vertex before. Neighbours follow the same
+/// joints, and the codec stores what changes from one to the next: a seventh less than in the order of weights.
+fn in_places(four: &[Influence; 4], before: &[Influence; 4]) -> [Influence; 4] {
+    let mut placed: [Option<Influence>; 4] = [None; 4];
+    let mut others = Vec::with_capacity(4);
+    for influence in four.iter().filter(|(_, part)| *part > 0) {
+        let had_it = |i: &usize| before[*i].0 == influence.0 && before[*i].1 > 0;
+        match (0..4).find(|i| placed[*i].is_none() && had_it(i)) {
+            Some(place) => placed[place] = Some(*influence),
+            None => others.push(*influence),
+        }
+    }
+    let mut others = others.into_iter();
+    placed.map(|influence| influence.or_else(|| others.next()).unwrap_or((0, 0)))
 }
 
 /// The numbers of a set, four joints and weights for each vertex.
@@ -180,7 +206,7 @@ mod tests {
         ) {
             let sum: f32 = weights.iter().sum();
             prop_assume!(sum > 1e-3);
-            for whole in [255, 65_535] {
+            for whole in [255, 1024] {
                 let parts = of_whole(&weights, whole).unwrap();
                 prop_assert_eq!(parts.iter().sum::<u32>(), whole);
                 for (w, part) in weights.iter().zip(parts) {
@@ -188,6 +214,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn influences_stay_in_the_place_of_their_joint() {
+        let before = [(7, 200), (3, 55), (0, 0), (0, 0)];
+        // The joint 0 had no place, since a weight of nothing names no joint.
+        let four = [(3, 150), (0, 80), (7, 25), (0, 0)];
+        assert_eq!(
+            in_places(&four, &before),
+            [(7, 25), (3, 150), (0, 80), (0, 0)]
+        );
+        let four = [(9, 255), (0, 0), (0, 0), (0, 0)];
+        assert_eq!(in_places(&four, &before), four);
     }
 
     #[test]

@@ -3,7 +3,10 @@
 //! - `role`: what each array is used for
 //! - `element`: arrays as elements of few digits, in front of a filter
 //! - `clip`: keys and size of a clip without writing it
-//! - `influences`: weights that still sum to 1, the greatest first
+//! - `influences`: weights that still sum to 1
+//! - `offsets`: offsets by morph targets, rounded with the positions that they move
+//! - `sparse`: offsets that are mostly zero as sparse accessors
+//! - `stored_classes`: vertices that are equal as they are stored
 //! - `streams`: arrays of one layout as one compressed view
 //!
 //! Source: EXT_meshopt_compression, KHR_meshopt_compression, KHR_mesh_quantization.
@@ -11,10 +14,14 @@
 mod clip;
 mod element;
 mod influences;
+mod offsets;
 mod role;
+mod sparse;
+mod stored_classes;
 mod streams;
 
 pub use clip::{compressed_clip_bytes, rounded_clip};
+pub(super) use stored_classes::stored_classes;
 
 use super::document::Document;
 use super::prune::has_unknown_extension;
@@ -35,8 +42,8 @@ pub enum Compression {
 /// Precision of the arrays of a compressed document. What has none is kept to the bit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArrayPrecision {
-    /// For each mesh of the document, the step of positions and of their offsets by morph targets, in
-    /// its units.
+    /// For each mesh of the document, the step of positions, in its units. A morph target at a weight of 0
+    /// to 1, by itself, leaves them within half of it.
     pub positions: Vec<f32>,
     /// For each animation, the steps of the keys of each of its samplers. Samplers without steps keep
     /// theirs.
@@ -62,8 +69,8 @@ pub enum WeightPrecision {
     /// 8 bits.
     #[default]
     Byte,
-    /// 16 bits.
-    Short,
+    /// Multiples of 1/1024, as floats: integers of 16 bits need nearly twice their bytes.
+    TenBits,
     /// As they are.
     Exact,
 }
@@ -78,8 +85,9 @@ impl Document {
     /// Writes the document as one GLB, as [`write_glb`](Self::write_glb) does, with rounded and
     /// compressed arrays.
     ///
-    /// Values are within half of their step, components of rotations within one. Normals and tangents
-    /// have 8 bits; colours have 8 bits. Sparse arrays become dense. Arrays that are integers already, and
+    /// Values are within half of their step, offsets by morph targets together with their position; components of rotations within one. Normals and tangents
+    /// have 8 bits; colours have 8 bits. Sparse arrays become dense, and with
+    /// EXT_meshopt_compression offsets by morph targets that are mostly zero become sparse. Arrays that are integers already, and
     /// pictures, are kept to the bit. A document that is not [compressible](Self::is_compressible) is
     /// written as it is.
     ///

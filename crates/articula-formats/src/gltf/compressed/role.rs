@@ -9,8 +9,13 @@ use std::collections::BTreeMap;
 /// Use of an array, with the precision that it needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Role {
-    /// Positions, and their offsets by morph targets: step in the units of the mesh.
+    /// Positions: step in the units of the mesh.
     Positions(f32),
+    /// Offsets of positions by morph targets: step of the moved positions, and the array of those.
+    Offsets {
+        step: f32,
+        base: usize,
+    },
     Normals,
     /// Offsets of normals by morph targets.
     NormalOffsets,
@@ -38,6 +43,20 @@ impl Role {
     fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::Positions(a), Self::Positions(b)) => Self::Positions(a.min(b)),
+            (
+                Self::Offsets { step: a, base },
+                Self::Offsets {
+                    step: b,
+                    base: other,
+                },
+            ) if base == other => {
+                let step = a.min(b);
+                Self::Offsets { step, base }
+            }
+            // Rounded by themselves, offsets serve every position.
+            (Self::Offsets { step: a, .. }, Self::Offsets { step: b, .. }) => {
+                Self::Positions(0.5 * a.min(b))
+            }
             (Self::Rotations(a), Self::Rotations(b)) => Self::Rotations(a.min(b)),
             (Self::Values(a), Self::Values(b)) => Self::Values(a.min(b)),
             (Self::Times(a), Self::Times(b)) => Self::Times(a.min(b)),
@@ -51,6 +70,7 @@ impl Role {
         matches!(
             self,
             Self::Positions(_)
+                | Self::Offsets { .. }
                 | Self::Normals
                 | Self::NormalOffsets
                 | Self::Tangents
@@ -81,6 +101,7 @@ pub(super) fn roles(json: &mut Value, precision: &ArrayPrecision) -> BTreeMap<us
     for skin in entries_mut(json, "skins") {
         found.add(index(skin, "inverseBindMatrices"), Role::Exact);
     }
+    found.separate_offsets();
     found.0
 }
 
@@ -94,6 +115,18 @@ impl Roles {
         };
         let known = self.0.entry(accessor).or_insert(role);
         *known = known.and(role);
+    }
+
+    /// Offsets whose positions have another step are rounded by themselves.
+    fn separate_offsets(&mut self) {
+        let all = self.0.clone();
+        for role in self.0.values_mut() {
+            if let Role::Offsets { step, base } = *role
+                && all.get(&base) != Some(&Role::Positions(step))
+            {
+                *role = Role::Positions(0.5 * step);
+            }
+        }
     }
 
     fn primitive(&mut self, primitive: &Value, positions: Role) {
@@ -111,10 +144,17 @@ impl Roles {
         self.attributes(primitive.get("attributes"), |name| {
             of_attribute(name, positions)
         });
+        let base = primitive
+            .get("attributes")
+            .and_then(|a| index(a, "POSITION"));
+        let offsets = match (positions, base) {
+            (Role::Positions(step), Some(base)) => Role::Offsets { step, base },
+            _ => positions,
+        };
         let targets = primitive.get("targets").and_then(Value::as_array);
         for target in targets.into_iter().flatten() {
             self.attributes(Some(target), |name| match name {
-                "POSITION" => positions,
+                "POSITION" => offsets,
                 "NORMAL" => Role::NormalOffsets,
                 _ => Role::Exact,
             });
@@ -159,7 +199,8 @@ impl Roles {
     }
 }
 
-fn of_attribute(name: &str, positions: Role) -> Role {
+/// The use of an attribute of vertices.
+pub(super) fn of_attribute(name: &str, positions: Role) -> Role {
     let set_of = |family: &str| {
         let set = name.strip_prefix(family);
         set.is_some_and(|set| set.bytes().all(|b| b.is_ascii_digit()))
@@ -213,7 +254,8 @@ mod tests {
             Role::Exact,
             Role::Exact,
             Role::Triangles,
-            Role::Positions(0.5),
+            // Their positions are those of the second mesh too, with another step.
+            Role::Positions(0.25),
             Role::NormalOffsets,
             Role::Indices,
             Role::Times(1e-4),

@@ -1,14 +1,16 @@
 //! Arrays of one layout as one compressed view.
 
 use super::super::accessor::Component;
-use super::super::append::{entries_mut, exact, index, object, push, set};
+use super::super::append::{entries_mut, index, object, push, set};
 use super::super::document::Document;
 use super::super::prune::{each_accessor_reference, each_view_reference};
 use super::super::reader::{Notes, Reader};
 use super::super::write::glb;
 use super::element::{Elements, elements};
 use super::influences::influences;
+use super::offsets::Offsets;
 use super::role::{Role, roles};
+use super::sparse;
 use super::{ArrayPrecision, Compression};
 use crate::error::ReadError;
 use crate::limits::Limits;
@@ -39,11 +41,22 @@ enum Buffer {
     Indices(Option<usize>),
 }
 
-/// An array and the accessor that describes it.
-struct Array {
-    accessor: usize,
-    role: Role,
-    elements: Elements,
+/// An array, or a part of it, and the accessor that describes it.
+pub(super) struct Array {
+    pub(super) accessor: usize,
+    pub(super) role: Role,
+    pub(super) part: Part,
+    pub(super) elements: Elements,
+}
+
+/// What an array is of its accessor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Whole,
+    /// Places of the elements of a sparse accessor that are not zero.
+    Indices,
+    /// Those elements.
+    Values,
 }
 
 /// Writes a document with rounded and compressed arrays.
@@ -60,12 +73,15 @@ pub(super) fn write(
         buffers: vec![binary],
         pictures: Vec::new(),
     };
-    let mut arrays = arrays(&mut document, precision).map_err(|error| {
+    let mut arrays = arrays(&mut document, precision, compression).map_err(|error| {
         let what = "an array cannot be read";
         WriteError::mismatch("accessors", format!("{what}: {error}"))
     })?;
     share_equal(&mut document, &mut arrays);
     share_samplers(&mut document.json);
+    if compression == Compression::Ext {
+        arrays = sparse::with_sparse(&mut document.json, arrays);
+    }
     let mut out = Output::new(&mut document, compression, &arrays);
     let mut streams: BTreeMap<Kind, Vec<&Array>> = BTreeMap::new();
     for array in &arrays {
@@ -81,7 +97,11 @@ pub(super) fn write(
 }
 
 /// All arrays that the document refers to, as they are stored, in the order of their first use.
-fn arrays(document: &mut Document, precision: &ArrayPrecision) -> Result<Vec<Array>, ReadError> {
+fn arrays(
+    document: &mut Document,
+    precision: &ArrayPrecision,
+    compression: Compression,
+) -> Result<Vec<Array>, ReadError> {
     let roles = roles(&mut document.json, precision);
     let mut order = Vec::new();
     let mut seen = BTreeSet::new();
@@ -94,6 +114,7 @@ fn arrays(document: &mut Document, precision: &ArrayPrecision) -> Result<Vec<Arr
     let limits = Limits::default();
     let mut reader = Reader::new(document, &limits, Notes::default());
     let mut of_influences = influences(&mut reader, precision.weights)?;
+    let mut offsets = Offsets::new(compression == Compression::Khr);
     let mut out = Vec::with_capacity(order.len());
     for accessor in order {
         let role = roles.get(&accessor).copied().unwrap_or(Role::Exact);
@@ -103,12 +124,13 @@ fn arrays(document: &mut Document, precision: &ArrayPrecision) -> Result<Vec<Arr
             .filter(|_| matches!(role, Role::Joints | Role::Weights));
         let elements = match (rounded, own) {
             (Some(rounded), _) => rounded,
-            (None, Some(own)) => elements(&mut reader, own, role, precision)?,
+            (None, Some(own)) => elements(&mut reader, own, role, precision, &mut offsets)?,
             (None, None) => continue,
         };
         out.push(Array {
             accessor,
             role,
+            part: Part::Whole,
             elements,
         });
     }
@@ -180,7 +202,9 @@ impl Array {
         let elements = &self.elements;
         let is_compressed = elements.is_compressible && compression != Compression::None;
         let buffer = match elements.mode {
-            Mode::Attributes if self.role.is_of_vertices() => Buffer::Vertices,
+            Mode::Attributes if self.role.is_of_vertices() && self.part == Part::Whole => {
+                Buffer::Vertices
+            }
             Mode::Attributes => Buffer::Other,
             _ => Buffer::Indices(is_compressed.then_some(self.accessor)),
         };
@@ -210,7 +234,7 @@ impl<'a> Output<'a> {
     fn new(document: &'a mut Document, compression: Compression, arrays: &[Array]) -> Self {
         let source = std::mem::take(&mut document.buffers[0]);
         let json = &mut document.json;
-        for array in arrays {
+        for array in arrays.iter().filter(|array| array.part == Part::Whole) {
             let accessor = &mut entries_mut(json, "accessors")[array.accessor];
             for member in ["bufferView", "byteOffset", "sparse"] {
                 object(accessor).shift_remove(member);
@@ -251,7 +275,8 @@ impl<'a> Output<'a> {
             decoded: 0,
             is_quantized: arrays.iter().any(|array| {
                 let is_integer = array.elements.component != Component::F32;
-                is_integer && matches!(array.role, Role::Normals | Role::Tangents)
+                let role = array.role;
+                is_integer && matches!(role, Role::Normals | Role::Tangents | Role::Offsets { .. })
             }),
         }
     }
@@ -277,9 +302,7 @@ impl<'a> Output<'a> {
         let (stored, decoded) = self.stored(&bytes, &layout, kind.is_compressed)?;
         let view = self.view(kind, &layout, &stored, decoded.len());
         for (array, start) in arrays.iter().zip(starts) {
-            let elements = &array.elements;
-            let length = elements.count * kind.stride;
-            self.describe(array, view, start, &decoded[start..start + length]);
+            self.describe(array, view, start);
         }
         Ok(())
     }
@@ -354,37 +377,39 @@ impl<'a> Output<'a> {
     }
 
     /// Describes an array whose bytes were stored.
-    fn describe(&mut self, array: &Array, view: usize, start: usize, decoded: &[u8]) {
+    fn describe(&mut self, array: &Array, view: usize, start: usize) {
         let elements = &array.elements;
         let Some(accessor) = entries_mut(self.json, "accessors").get_mut(array.accessor) else {
             return;
         };
-        set(accessor, "bufferView", view);
+        let described = match array.part {
+            Part::Whole => &mut *accessor,
+            Part::Indices => &mut accessor["sparse"]["indices"],
+            Part::Values => &mut accessor["sparse"]["values"],
+        };
+        set(described, "bufferView", view);
         if start > 0 {
-            set(accessor, "byteOffset", start);
+            set(described, "byteOffset", start);
+        }
+        if array.part != Part::Whole {
+            return;
         }
         set(accessor, "componentType", elements.component.code());
         object(accessor).shift_remove("normalized");
         if elements.normalized {
             set(accessor, "normalized", true);
         }
-        let is_float = elements.component == Component::F32;
-        // Integers are as they were, and so are their bounds.
-        if is_float || !elements.is_bounded {
+        let is_offset = matches!(array.role, Role::Offsets { .. });
+        let is_short = elements.component == Component::I16 && elements.normalized;
+        // Other integers are as they were, and so are their bounds.
+        let is_made = elements.component == Component::F32 || (is_offset && is_short);
+        if is_made || !elements.is_bounded {
             object(accessor).shift_remove("min");
             object(accessor).shift_remove("max");
         }
         // The format wants the bounds of the numbers as they are stored.
-        if elements.is_bounded && is_float {
-            let width = elements.stride / 4;
-            let floats = decoded.as_chunks::<4>().0.iter();
-            let floats: Vec<f32> = floats.map(|b| f32::from_le_bytes(*b)).collect();
-            let bound = |start: f32, pick: fn(f32, f32) -> f32| -> Vec<f32> {
-                let of = |c| floats.iter().skip(c).step_by(width).copied();
-                (0..width).map(|c| of(c).fold(start, pick)).collect()
-            };
-            set(accessor, "min", exact(&bound(f32::INFINITY, f32::min)));
-            set(accessor, "max", exact(&bound(f32::NEG_INFINITY, f32::max)));
+        if elements.is_bounded && is_made {
+            elements.set_bounds(accessor);
         }
     }
 
@@ -538,8 +563,8 @@ mod tests {
                 let at = format!("/meshes/0/primitives/{primitive}/attributes/POSITION");
                 &json["accessors"][json.pointer(&at).unwrap().as_u64().unwrap() as usize]
             };
-            assert_eq!(accessor(0)["min"], json!([0.0, 0.0, 0.0]));
-            assert_eq!(accessor(0)["max"], json!([2.0, 1.0, 1.25]));
+            assert_eq!(accessor(0)["min"], json!([0, 0, 0]));
+            assert_eq!(accessor(0)["max"], json!([2, 1, 1.25]));
             assert_eq!(accessor(1)["min"], json!([1, 2, 3]));
             let view = json["images"][0]["bufferView"].as_u64().unwrap() as usize;
             let view = &read.json["bufferViews"][view];

@@ -1,0 +1,75 @@
+//! Other optimisers of glTF files, and the judge of all files, in node (`oracle/peers`).
+
+use anyhow::{Context, Result, bail, ensure};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Message for missing results of the peers.
+pub(crate) const MISSING: &str = "gltfpack, glTF-Transform and three.js (no node, or `npm ci` was not run in oracle and oracle/peers)";
+
+/// The file of a peer.
+#[derive(Debug, Clone, Deserialize)]
+pub(crate) struct PeerFile {
+    pub(crate) peer: String,
+    pub(crate) setting: String,
+    /// `None` if there is a fault.
+    pub(crate) file: Option<PathBuf>,
+    pub(crate) fault: Option<String>,
+}
+
+/// The error and the size of a file.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub(crate) struct Judged {
+    /// Greatest error in motion; `None` if the file cannot be read.
+    pub(crate) error_mm: Option<f64>,
+    /// Height of the source at rest.
+    pub(crate) height_mm: f64,
+    /// Bytes without pictures.
+    pub(crate) bytes: usize,
+    /// Bytes of the pictures.
+    pub(crate) pictures: usize,
+    /// Bytes without pictures, after brotli.
+    pub(crate) brotli: usize,
+}
+
+/// Whether the peers and the judge can run.
+///
+/// # Errors
+/// If they are missing and `ARTICULA_REQUIRE_TOOLS` requires them.
+pub(crate) fn are_there() -> Result<bool> {
+    let node = Command::new("node").arg("--version").output();
+    let is_there = node.is_ok()
+        && oracle().join("node_modules/three").is_dir()
+        && oracle().join("peers/node_modules/gltfpack").is_dir();
+    let required = std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1");
+    ensure!(is_there || !required, "ARTICULA_REQUIRE_TOOLS=1: {MISSING}");
+    Ok(is_there)
+}
+
+/// Writes the file of every peer for a source into a folder.
+pub(crate) fn files(source: &Path, folder: &Path) -> Result<Vec<PeerFile>> {
+    answer("files.mjs", &[source, folder])
+}
+
+/// Judges files beside their source.
+pub(crate) fn judged(source: &Path, files: &[&Path]) -> Result<Vec<Judged>> {
+    let rows: Vec<Judged> = answer("errors.mjs", &[&[source], files].concat())?;
+    ensure!(rows.len() == files.len(), "errors.mjs left files out");
+    Ok(rows)
+}
+
+fn answer<T: DeserializeOwned>(script: &str, words: &[&Path]) -> Result<T> {
+    let mut node = Command::new("node");
+    let output = node.arg(oracle().join("peers").join(script)).args(words);
+    let output = output.output().context("node does not start")?;
+    if !output.status.success() {
+        bail!("{script}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    serde_json::from_slice(&output.stdout).with_context(|| format!("what {script} prints"))
+}
+
+fn oracle() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle")
+}

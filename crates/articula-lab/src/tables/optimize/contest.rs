@@ -1,0 +1,228 @@
+//! The files of one character, and the fair ones among those of the peers.
+
+use crate::peers::optimisers::{self, Judged};
+use anyhow::{Context, Result, ensure};
+use articula::Executor;
+use articula::optimize::{Compression, ErrorBound, OptimizeOptions, optimize};
+use std::path::Path;
+
+/// Lines of the picture that the figure at rest fills.
+pub(super) const HEIGHT_PX: f64 = 720.0;
+/// Errors in pixels: the greatest that ours is asked for, and that of a peer whose motion is not broken.
+pub(super) const MOST_ASKED_PX: f64 = 1.0;
+pub(super) const MOST_FAIR_PX: f64 = 2.0;
+
+/// A file of a contestant.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Entrant {
+    pub(super) who: String,
+    pub(super) setting: String,
+    /// Whether it needs KHR_meshopt_compression.
+    pub(super) is_khr: bool,
+    /// The error that was asked for, of ours.
+    pub(super) asked_mm: Option<f64>,
+    /// Bytes of the whole file.
+    pub(super) file_bytes: usize,
+    /// `None` without a judge.
+    pub(super) judged: Option<Judged>,
+}
+
+impl Entrant {
+    /// Bytes without pictures.
+    pub(super) fn bytes(&self) -> Option<usize> {
+        self.judged.as_ref().map(|j| j.bytes)
+    }
+
+    pub(super) fn brotli(&self) -> Option<usize> {
+        self.judged.as_ref().map(|j| j.brotli)
+    }
+
+    pub(super) fn error_mm(&self) -> Option<f64> {
+        self.judged.as_ref().and_then(|j| j.error_mm)
+    }
+
+    /// The error in pixels.
+    pub(super) fn error_px(&self) -> Option<f64> {
+        let judged = self.judged.as_ref()?;
+        Some(judged.error_mm? * HEIGHT_PX / judged.height_mm)
+    }
+
+    /// Whether its motion is not broken.
+    pub(super) fn is_fair(&self) -> bool {
+        self.error_px().is_some_and(|px| px <= MOST_FAIR_PX)
+    }
+}
+
+/// All files of one character.
+#[derive(Debug, Clone)]
+pub(super) struct Contest {
+    pub(super) name: &'static str,
+    /// Bytes of the source.
+    pub(super) source_bytes: usize,
+    /// The source; `None` without a judge.
+    pub(super) source: Option<Judged>,
+    pub(super) peers: Vec<Entrant>,
+    /// Peers without a file, and why.
+    pub(super) faults: Vec<(String, String)>,
+    /// Ours with EXT_meshopt_compression, and with KHR_meshopt_compression.
+    pub(super) ours: Vec<Entrant>,
+}
+
+impl Contest {
+    /// Writes and judges all files of a character.
+    pub(super) fn run(name: &'static str, path: &Path, has_peers: bool) -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        let source = folder.path().join("source.glb");
+        std::fs::copy(path, &source).with_context(|| path.display().to_string())?;
+        let mut contest = Self {
+            name,
+            source_bytes: std::fs::metadata(&source)?.len() as usize,
+            source: None,
+            peers: Vec::new(),
+            faults: Vec::new(),
+            ours: Vec::new(),
+        };
+        if has_peers {
+            contest.add_peers(&source, folder.path())?;
+        }
+        for is_khr in [false, true] {
+            let ours = contest.ours(path, &source, folder.path(), is_khr)?;
+            contest.ours.push(ours);
+        }
+        Ok(contest)
+    }
+
+    fn add_peers(&mut self, source: &Path, folder: &Path) -> Result<()> {
+        let written = optimisers::files(source, folder)?;
+        let mut paths = vec![source];
+        paths.extend(written.iter().filter_map(|peer| peer.file.as_deref()));
+        let mut judged = optimisers::judged(source, &paths)?.into_iter();
+        self.source = judged.next();
+        let own = self.source.as_ref().and_then(|own| own.error_mm);
+        ensure!(own == Some(0.0), "the source differs from itself: {own:?}");
+        for peer in &written {
+            let who = format!("{} {}", peer.peer, peer.setting);
+            let Some(file) = &peer.file else {
+                let why = peer.fault.clone().unwrap_or_default();
+                self.faults.push((who, why));
+                continue;
+            };
+            self.peers.push(Entrant {
+                who: peer.peer.clone(),
+                setting: peer.setting.clone(),
+                is_khr: peer.setting.contains("-cz"),
+                asked_mm: None,
+                file_bytes: std::fs::metadata(file)?.len() as usize,
+                judged: judged.next(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Ours at the error of the smallest peer, and at most one pixel.
+    fn ours(&self, path: &Path, source: &Path, folder: &Path, is_khr: bool) -> Result<Entrant> {
+        let error = match (self.smallest(is_khr), &self.source) {
+            (Some(peer), Some(own)) => {
+                let most = MOST_ASKED_PX * own.height_mm / HEIGHT_PX;
+                let asked_mm = peer.error_mm().unwrap_or(most).min(most);
+                ErrorBound::Metres(1e-3 * asked_mm as f32)
+            }
+            _ => ErrorBound::Pixels {
+                px: MOST_ASKED_PX as f32,
+                height_px: HEIGHT_PX as f32,
+            },
+        };
+        let options = OptimizeOptions {
+            error,
+            compression: match is_khr {
+                true => Compression::Khr,
+                false => Compression::Ext,
+            },
+            ..OptimizeOptions::default()
+        };
+        let opened = articula::fs::open(path)?;
+        let optimized = optimize(&opened, &options, &Executor::default())?;
+        let extension = if is_khr { "KHR" } else { "EXT" };
+        let file = folder.join(format!("ours-{extension}.glb"));
+        std::fs::write(&file, &optimized.glb)?;
+        let judged = match self.source {
+            Some(_) => optimisers::judged(source, &[&file])?.into_iter().next(),
+            None => None,
+        };
+        Ok(Entrant {
+            who: "ours".into(),
+            setting: extension.into(),
+            is_khr,
+            asked_mm: Some(f64::from(optimized.report.bound_mm)),
+            file_bytes: optimized.glb.len(),
+            judged,
+        })
+    }
+
+    /// The smallest fair file of a peer; without KHR_meshopt_compression only those that do not need it.
+    pub(super) fn smallest(&self, with_khr: bool) -> Option<&Entrant> {
+        let all = self.peers.iter();
+        let fair = all.filter(|peer| peer.is_fair() && (with_khr || !peer.is_khr));
+        fair.min_by_key(|peer| peer.bytes())
+    }
+
+    /// Bytes of ours over those of the smallest fair file of a peer.
+    pub(super) fn ratio(&self, ours: &Entrant) -> Option<f64> {
+        let peer = self.smallest(ours.is_khr)?;
+        Some(ours.bytes()? as f64 / peer.bytes()? as f64)
+    }
+
+    /// The same after brotli.
+    pub(super) fn brotli_ratio(&self, ours: &Entrant) -> Option<f64> {
+        let peer = self.smallest(ours.is_khr)?;
+        Some(ours.brotli()? as f64 / peer.brotli()? as f64)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A file of some bytes, half of them after brotli, of a figure 720 mm high: a millimetre is a pixel.
+    pub(in super::super) fn entrant(setting: &str, bytes: usize, error_mm: f64) -> Entrant {
+        Entrant {
+            who: "peer".into(),
+            setting: setting.into(),
+            is_khr: setting.contains("-cz"),
+            asked_mm: None,
+            file_bytes: bytes + 10,
+            judged: Some(Judged {
+                error_mm: Some(error_mm),
+                height_mm: 720.0,
+                bytes,
+                pictures: 10,
+                brotli: bytes / 2,
+            }),
+        }
+    }
+
+    pub(in super::super) fn contest() -> Contest {
+        Contest {
+            name: "a figure",
+            source_bytes: 1010,
+            source: entrant("", 1000, 0.0).judged,
+            peers: vec![
+                entrant("-cz", 80, 90.0),
+                entrant("-cz -af 0", 160, 1.5),
+                entrant("-cc", 200, 0.5),
+            ],
+            faults: Vec::new(),
+            ours: vec![entrant("EXT", 150, 0.5), entrant("-cz ours", 120, 0.9)],
+        }
+    }
+
+    #[test]
+    fn broken_motion_is_no_peer_and_each_extension_has_its_own() {
+        let contest = contest();
+        assert_eq!(contest.smallest(true).unwrap().bytes(), Some(160));
+        assert_eq!(contest.smallest(false).unwrap().bytes(), Some(200));
+        assert_eq!(contest.ratio(&contest.ours[0]), Some(0.75));
+        assert_eq!(contest.ratio(&contest.ours[1]), Some(0.75));
+        assert_eq!(contest.brotli_ratio(&contest.ours[1]), Some(0.75));
+    }
+}
