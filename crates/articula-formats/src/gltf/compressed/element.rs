@@ -5,7 +5,6 @@ use super::super::append::{set, shortest};
 use super::super::place::Place;
 use super::super::reader::Reader;
 use super::ArrayPrecision;
-use super::offsets::Offsets;
 use super::role::Role;
 use crate::error::ReadError;
 use crate::meshopt::encode::{exponential, exponential_points, octahedral, quaternions};
@@ -150,7 +149,6 @@ pub(super) fn elements<'a>(
     place: Place<'a>,
     role: Role,
     precision: &ArrayPrecision,
-    offsets: &mut Offsets,
 ) -> Result<Elements, ReadError> {
     let accessor = reader.accessor_at(place)?;
     let width = accessor.width();
@@ -168,7 +166,6 @@ pub(super) fn elements<'a>(
     let floats = reader.floats(&accessor)?;
     let made = match role {
         Role::Positions(step) if width == 3 => Some(Elements::points(&floats, step)),
-        Role::Offsets { step, base } => Some(offsets.elements(reader, (base, step), &floats)?),
         Role::NormalOffsets => Some(Elements::stepped(&floats, width, NORMAL_STEP)),
         Role::Texcoords => Some(Elements::stepped(&floats, width, precision.texcoords)),
         Role::Values(step) => Some(Elements::stepped(&floats, width, step)),

@@ -2,6 +2,7 @@
 //!
 //! - `role`: what each array is used for
 //! - `element`: arrays as elements of few digits, in front of a filter
+//! - `array`: an array of a document, or a part of it
 //! - `clip`: keys and size of a clip without writing it
 //! - `influences`: weights that still sum to 1
 //! - `offsets`: offsets by morph targets, rounded with the positions that they move
@@ -11,6 +12,7 @@
 //!
 //! Source: EXT_meshopt_compression, KHR_meshopt_compression, KHR_mesh_quantization.
 
+mod array;
 mod clip;
 mod element;
 mod influences;

@@ -5,8 +5,11 @@
 //! farther end.
 
 use super::super::accessor::Component;
+use super::super::place::Place;
 use super::super::reader::Reader;
-use super::element::Elements;
+use super::ArrayPrecision;
+use super::element::{Elements, elements};
+use super::role::Role;
 use crate::error::ReadError;
 use crate::meshopt::encode::units;
 use std::collections::BTreeMap;
@@ -35,7 +38,23 @@ impl Offsets {
     }
 
     /// Offsets of the positions of an accessor, which err with them by no more than half of a step along each axis.
-    pub(super) fn elements(
+    /// Those that are integers are kept to the bit.
+    pub(super) fn elements<'a>(
+        &mut self,
+        reader: &mut Reader<'a>,
+        place: Place<'a>,
+        (base, step): (usize, f32),
+        precision: &ArrayPrecision,
+    ) -> Result<Elements, ReadError> {
+        let accessor = reader.accessor_at(place.clone())?;
+        if !accessor.is_float() || accessor.width() != 3 || accessor.count == 0 {
+            return elements(reader, place, Role::Offsets { step, base }, precision);
+        }
+        let offsets = reader.floats(&accessor)?;
+        self.rounded(reader, (base, step), &offsets)
+    }
+
+    fn rounded(
         &mut self,
         reader: &mut Reader<'_>,
         (base, step): (usize, f32),

@@ -6,9 +6,9 @@
 
 use super::super::accessor::Component;
 use super::super::append::{entries_mut, object, set};
+use super::array::{Array, Part};
 use super::element::Elements;
 use super::role::Role;
-use super::streams::{Array, Part};
 use serde_json::{Value, json};
 
 /// Bytes of a vertex of no offset in bitstream v0, and of the place of one in a sparse array, as measured on faces.

@@ -4,7 +4,6 @@ use super::super::origin::{split, split_by_bytes};
 use super::super::place::Place;
 use super::super::reader::Reader;
 use super::element::elements;
-use super::offsets::Offsets;
 use super::role::{Role, of_attribute};
 use super::{ArrayPrecision, WeightPrecision};
 use crate::error::ReadError;
@@ -24,11 +23,10 @@ pub(in crate::gltf) fn stored_classes<'a>(
         texcoords,
         weights: WeightPrecision::Exact,
     };
-    let mut offsets = Offsets::new(false);
     let vertices: Vec<u32> = (0..count as u32).collect();
     let mut classes = vec![0; count];
     for (name, index) in primitive.require("attributes")?.members() {
-        let role = of_attribute(&name, Role::Exact);
+        let role = of_attribute(name, Role::Exact);
         let is_rounded = matches!(
             role,
             Role::Normals | Role::Tangents | Role::Texcoords | Role::Colors
@@ -36,7 +34,7 @@ pub(in crate::gltf) fn stored_classes<'a>(
         let place = reader.root.entry("accessors", index.whole()? as usize);
         match place.filter(|_| is_rounded) {
             Some(place) => {
-                let elements = elements(reader, place, role, &precision, &mut offsets)?;
+                let elements = elements(reader, place, role, &precision)?;
                 if elements.count < count {
                     return Err(index.malformed("fewer elements than vertices"));
                 }

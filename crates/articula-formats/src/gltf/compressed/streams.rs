@@ -6,7 +6,8 @@ use super::super::document::Document;
 use super::super::prune::{each_accessor_reference, each_view_reference};
 use super::super::reader::{Notes, Reader};
 use super::super::write::glb;
-use super::element::{Elements, elements};
+use super::array::{Array, Part};
+use super::element::elements;
 use super::influences::influences;
 use super::offsets::Offsets;
 use super::role::{Role, roles};
@@ -39,24 +40,6 @@ enum Buffer {
     /// Indices; compressed ones have a stream for each accessor, since those of triangles are stored
     /// relative to the ones before.
     Indices(Option<usize>),
-}
-
-/// An array, or a part of it, and the accessor that describes it.
-pub(super) struct Array {
-    pub(super) accessor: usize,
-    pub(super) role: Role,
-    pub(super) part: Part,
-    pub(super) elements: Elements,
-}
-
-/// What an array is of its accessor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
-    Whole,
-    /// Places of the elements of a sparse accessor that are not zero.
-    Indices,
-    /// Those elements.
-    Values,
 }
 
 /// Writes a document with rounded and compressed arrays.
@@ -124,7 +107,12 @@ fn arrays(
             .filter(|_| matches!(role, Role::Joints | Role::Weights));
         let elements = match (rounded, own) {
             (Some(rounded), _) => rounded,
-            (None, Some(own)) => elements(&mut reader, own, role, precision, &mut offsets)?,
+            (None, Some(own)) => match role {
+                Role::Offsets { step, base } => {
+                    offsets.elements(&mut reader, own, (base, step), precision)?
+                }
+                _ => elements(&mut reader, own, role, precision)?,
+            },
             (None, None) => continue,
         };
         out.push(Array {
