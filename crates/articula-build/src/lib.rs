@@ -17,7 +17,8 @@
 //! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
-//! - [`greatest_vertex_error`]: how far two characters are apart in motion
+//! - [`greatest_vertex_error`]: how far two characters are apart in motion; [`greatest_surface_error`]: how far
+//!   their surfaces; [`watched_poses`], [`simplify_within`]: fewer triangles within a distance in motion
 //! - [`hold_joints_in_clip`]: writes a motion at a level of articulation
 //! - [`face`]: facial animation parameters of MPEG-4 to blend shapes and back
 //! - [`evaluate`]: plays a clip with a method and measures its gain and its error in pixels
@@ -58,6 +59,7 @@ mod joint_lods;
 mod joint_scheme;
 mod key_times;
 mod mesh_levels;
+mod moment;
 mod motion_bounds;
 mod motion_error;
 mod occluders;
@@ -69,10 +71,13 @@ mod resampling_error;
 mod sampling_rate;
 mod scene;
 mod simplify;
+mod simplify_within;
 mod source_hash;
 mod split_mix;
 mod surface_distance;
+mod surface_error;
 mod vertex_error;
+mod watched_poses;
 
 pub use character::{Asset, character, rig_and_mesh, sampled_clip};
 pub use clip::{ClipOptions, sampling_rate_hz};
@@ -110,11 +115,14 @@ pub use scene::{
     SceneCharacter, SceneImportance, SceneView, USUAL_ROLES, Wall, Zone, plaza,
 };
 pub use simplify::{
-    ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,
-    skin_regions, vertex_regions,
+    ErrorWeighting, LevelTriangles, Simplified, SimplifyLimit, SimplifyOptions, region_weights,
+    simplify, skin_regions, vertex_regions,
 };
+pub use simplify_within::{SimplifiedWithin, simplify_within};
 pub use source_hash::{SourceHash, hash_bytes, rig_hash};
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
 };
+pub use surface_error::{ChangedTriangles, greatest_surface_error};
 pub use vertex_error::{PosedVertices, greatest_vertex_error};
+pub use watched_poses::watched_poses;

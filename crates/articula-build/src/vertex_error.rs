@@ -1,5 +1,6 @@
 //! The greatest distance of any vertex between two characters in motion, as their files are read.
 
+use crate::moment::Moment;
 use crate::split_mix::SplitMix;
 use articula_core::source::{Character, Property, RawClip, evaluate};
 use articula_core::{
@@ -80,6 +81,65 @@ impl<'a> PosedVertices<'a> {
             self.skin();
         }
         &self.points
+    }
+
+    /// The clips of the character.
+    pub fn clips(&self) -> &'a [RawClip] {
+        &self.character.clips
+    }
+
+    /// The mesh whose vertices are posed.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// All vertices in a moment, in model space.
+    ///
+    /// # Panics
+    /// If there is no such morph target.
+    pub(crate) fn in_moment(&mut self, moment: Moment) -> &[Vec3] {
+        match moment {
+            Moment::Rest => self.at(None, 0.0),
+            Moment::Clip { index, secs } => self.at(self.clips().get(index), secs),
+            Moment::Morph { slot, weight } => {
+                self.local.copy_from(self.rig.rest_pose());
+                self.weights.copy_from_slice(&self.mesh.morph_weights);
+                self.weights[slot] = weight;
+                local_to_model(&self.rig, &self.local, &mut self.model);
+                self.points.clear();
+                self.skin();
+                &self.points
+            }
+        }
+    }
+
+    /// The greatest weight of each morph target that moves a vertex, in clips or 1, those that move one
+    /// farthest first.
+    pub(crate) fn greatest_morph_weights(&self) -> Vec<(usize, f32)> {
+        let mut weights: Vec<f32> = self.mesh.morph_weights.iter().map(|w| w.max(1.0)).collect();
+        let channels = self.clips().iter().flat_map(|clip| &clip.channels);
+        for channel in channels.filter(|c| c.property == Property::Weights) {
+            let first = self.mesh.morph_slots[channel.target];
+            let count = self.character.meshes[channel.target].morph_weights.len();
+            let mut at = vec![0.0; count];
+            for secs in &channel.times_secs {
+                evaluate::channel(channel, *secs, &mut at);
+                let greatest = weights[first..first + count].iter_mut().zip(&at);
+                greatest.for_each(|(greatest, at)| *greatest = greatest.max(*at));
+            }
+        }
+        let mut farthest = vec![0.0f32; weights.len()];
+        for morph in &self.mesh.morphs {
+            let lengths = morph.positions.iter().map(|p| p.length());
+            let most = &mut farthest[usize::from(morph.slot)];
+            *most = lengths.fold(*most, f32::max);
+        }
+        let mut order: Vec<usize> = (0..weights.len()).filter(|s| farthest[*s] > 0.0).collect();
+        order.sort_by(|a, b| farthest[*b].total_cmp(&farthest[*a]));
+        order
+            .into_iter()
+            .map(|slot| (slot, weights[slot]))
+            .collect()
     }
 
     fn skin(&mut self) {

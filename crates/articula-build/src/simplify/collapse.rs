@@ -34,6 +34,9 @@ const WHOLE: u32 = u32::MAX;
 /// Factor of the squared distance of removed vertices in the cost.
 const REMOVED_WEIGHT: f64 = 2.0;
 
+/// Greatest cost of the changes of attributes, relative to the square of the limit of distances.
+const LIMIT_CHANGE: f64 = 4.0;
+
 /// The queue is refilled only after more than one in this many faces was removed.
 const LOOK_AGAIN: usize = 500;
 
@@ -63,6 +66,10 @@ pub(super) struct Simplifier<'a> {
     images: Images,
     /// Removed vertices; `None` if their distances do not count.
     removed_vertices: Option<RemovedVertices>,
+    /// Square of the greatest distance of removed vertices; infinite without a limit.
+    limit: f64,
+    /// Greatest cost of a collapse; infinite without a limit.
+    limit_cost: f64,
     /// Marks the neighbours of the current target.
     stamps: Vec<u32>,
     stamp: u32,
@@ -84,6 +91,8 @@ impl<'a> Simplifier<'a> {
         }
         let extent = classes::extent(&poses[0]);
         let length = f64::from(extent) * NORMAL_LENGTH;
+        let metres = options.limit.map(|limit| f64::from(limit.metres));
+        let squared = metres.map_or(f64::INFINITY, |metres| metres * metres);
         let mut simplifier = Self {
             wedges: Wedges { mesh, classes },
             regions: regions(options, classes),
@@ -102,6 +111,8 @@ impl<'a> Simplifier<'a> {
             removed_vertices: options
                 .measured
                 .then(|| RemovedVertices::new(sources.triangles.len(), classes.len())),
+            limit: squared,
+            limit_cost: options.limit.map_or(f64::INFINITY, |l| l.cost * squared),
             stamps: vec![0; classes.len()],
             stamp: 0,
             components: Components::new(&surface, &costs, &kept, extent),
@@ -142,6 +153,9 @@ impl<'a> Simplifier<'a> {
                 self.fill();
                 continue;
             };
+            if f64::from_bits(bits) > self.limit_cost {
+                return;
+            }
             if to == WHOLE {
                 self.vanish(from);
                 continue;
@@ -155,8 +169,15 @@ impl<'a> Simplifier<'a> {
                 }
                 continue;
             }
-            let further =
-                self.change_cost(from, to) + REMOVED_WEIGHT * self.removed_distance(from, to);
+            let removed = self.removed_distance(from, to);
+            let change = self.change_cost(from, to);
+            if removed > self.limit || change > LIMIT_CHANGE * self.limit {
+                if !priced {
+                    self.push_next(from, Some((bits, to)));
+                }
+                continue;
+            }
+            let further = change + REMOVED_WEIGHT * removed;
             if !priced && further > 0.0 {
                 let bits_now = (f64::from_bits(bits) + further).to_bits();
                 self.queue
@@ -196,6 +217,10 @@ impl<'a> Simplifier<'a> {
         for class in 0..self.versions.len() as u32 {
             self.versions[class as usize] += 1;
             self.push_next(class, None);
+        }
+        if self.limit.is_finite() {
+            // A component may lie within the limit of another and still be seen, as an iris is.
+            return;
         }
         for (component, size) in self.components.tiny() {
             let bits = (size * REMOVED_WEIGHT).to_bits();

@@ -84,6 +84,8 @@ pub struct SimplifyOptions {
     /// the quadrics. Without it, simplification is less accurate and about three times as fast:
     /// enough for the first reduction of a surface that is far finer than needed.
     pub measured: bool,
+    /// Where to stop; wherever the targets are. Needs [`Self::measured`].
+    pub limit: Option<SimplifyLimit>,
 }
 
 impl Default for SimplifyOptions {
@@ -100,8 +102,20 @@ impl Default for SimplifyOptions {
             wedges: Vec::new(),
             mirrored: false,
             measured: true,
+            limit: None,
         }
     }
+}
+
+/// How far a surface may be changed: no collapse goes beyond it, and no component is removed as a whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SimplifyLimit {
+    /// Greatest distance of a removed vertex, in any pose, from the faces that replaced those around it,
+    /// in metres. Its square counts times the weight of the vertex.
+    pub metres: f32,
+    /// Greatest cost of a collapse, relative to the square of that distance. Costs are means over poses and
+    /// over planes, some of them far away: 1 to 4 is usual.
+    pub cost: f64,
 }
 
 /// The triangles of one level.
@@ -157,7 +171,10 @@ pub fn simplify(
     // that had to keep them within its share would have few left for everything else.
     let class = |v: &u32| classes.of_vertex[*v as usize];
     let locked: BTreeSet<u32> = options.locked.iter().map(class).collect();
-    let held = whole.min(2 * locked.len());
+    let held = match options.limit {
+        None => whole.min(2 * locked.len()),
+        Some(_) => 0,
+    };
     let target = |share: f64| held + (share * (whole - held) as f64).round() as usize;
     let mut found = vec![sources.level()];
     let mut between = Vec::new();

@@ -13,6 +13,7 @@
 mod attach;
 mod bounds;
 mod four_triangles;
+mod greatest;
 mod pieces;
 mod points;
 mod search;
@@ -22,6 +23,7 @@ mod slow;
 mod tree;
 
 pub use attach::attach;
+pub(crate) use greatest::{TwoSurfaces, greatest_distances};
 pub(crate) use skin_point::corners;
 pub use skin_point::{SkinPoint, compact};
 

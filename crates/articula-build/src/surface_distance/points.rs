@@ -32,6 +32,13 @@ impl Points {
         }
     }
 
+    /// Adds the vertices of triangles, each once.
+    pub(super) fn add_corners(&mut self, triangles: &[[u32; 3]]) {
+        self.vertices.extend(triangles.as_flattened());
+        self.vertices.sort_unstable();
+        self.vertices.dedup();
+    }
+
     /// Adds face centres and edge midpoints.
     pub(super) fn add_triangles(&mut self, triangles: &[[u32; 3]]) {
         self.centres.extend(triangles);

@@ -74,6 +74,7 @@ mod primitive;
 mod prune;
 mod reader;
 mod renumbered_skin;
+mod replaced_triangles;
 mod samplers;
 mod single_weights;
 mod skeleton;

@@ -118,6 +118,13 @@ fn arrays_of(primitive: &Value) -> String {
     json!([primitive.get("attributes"), primitive.get("targets")]).to_string()
 }
 
+/// Whether a primitive is a list of triangles without an extension that may depend on their vertices.
+pub(super) fn is_plain_list(primitive: &Place<'_>) -> bool {
+    let extensions = primitive.get("extensions").map(|e| e.members());
+    let mut extensions = extensions.unwrap_or_default().into_iter();
+    extensions.all(|(name, _)| name == VARIANTS) && primitive.whole_or("mode", 4).ok() == Some(4)
+}
+
 /// The new order of primitives that share their vertex arrays; `None` if one of them is not a list of
 /// triangles or has an extension that may depend on it.
 fn shared(
@@ -130,12 +137,7 @@ fn shared(
         let mesh = reader.root.entry("meshes", *m);
         places.extend(mesh.and_then(|mesh| mesh.entry("primitives", *p)));
     }
-    let is_plain = |place: &Place<'_>| {
-        let extensions = place.get("extensions").map(|e| e.members());
-        let mut extensions = extensions.unwrap_or_default().into_iter();
-        extensions.all(|(name, _)| name == VARIANTS) && place.whole_or("mode", 4).ok() == Some(4)
-    };
-    if places.len() != primitives.len() || !places.iter().all(is_plain) {
+    if places.len() != primitives.len() || !places.iter().all(is_plain_list) {
         return Ok(None);
     }
     let mut outlines = Vec::with_capacity(places.len());
