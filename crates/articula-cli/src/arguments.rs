@@ -1,6 +1,6 @@
 //! Flags that several commands share, and the parsers of their values.
 
-use articula::core::Viewport;
+use articula::core::{Region, Viewport};
 use articula::formats::UpAxis;
 use articula::formats::mpeg4::fap::AbsentPolicy;
 use clap::Args;
@@ -224,6 +224,21 @@ pub(crate) fn skin_millimetres(text: &str) -> Result<f64, String> {
 /// Parses a finite number that is not negative.
 pub(crate) fn not_negative(text: &str) -> Result<f32, String> {
     number(text, |n| n >= 0.0, "a number of 0 or above")
+}
+
+/// Parses a region of the body and a factor, such as `face=8`.
+pub(crate) fn region_factor(text: &str) -> Result<(String, f32), String> {
+    let known = || Region::ALL.map(|r| r.to_string()).join(", ");
+    let (name, factor) = text
+        .split_once('=')
+        .ok_or("expected a form such as face=8")?;
+    let region = name
+        .parse::<Region>()
+        .map_err(|_| format!("expected one of the regions {}", known()))?;
+    match factor.parse::<f32>() {
+        Ok(x) if x > 0.0 && x <= 1e6 => Ok((region.to_string(), x)),
+        _ => Err("expected a factor above 0 and at most 1000000".into()),
+    }
 }
 
 #[cfg(test)]

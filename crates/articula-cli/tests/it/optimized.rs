@@ -31,6 +31,47 @@ fn an_optimised_file_is_judged_by_others() {
 }
 
 #[test]
+fn a_simplified_file_is_judged_by_others_and_joints_can_be_held() {
+    let folder = folder("simplified");
+    let source = short().to_string_lossy().into_owned();
+    let coarse = [
+        "optimize",
+        &source,
+        "coarse.glb",
+        "--error",
+        "8mm",
+        "--lock",
+        "hands",
+    ];
+    let report = json(&folder, &coarse);
+    let number = |name: &str| report[name].as_f64().unwrap();
+    assert!(
+        number("triangles_out") < 0.95 * number("triangles_in"),
+        "{report}"
+    );
+    assert!(number("surface_error_mm") > 1.0 && number("error_mm") <= 8.0);
+    let held = [
+        "optimize",
+        &source,
+        "held.glb",
+        "--loa",
+        "loa(VeryLow)",
+        "--no-simplify",
+        "--no-keys",
+    ];
+    let held = json(&folder, &held);
+    assert!(held["joints"]["joints_active"].as_u64() < held["joints"]["joints"].as_u64());
+    if !judges_are_here() {
+        return;
+    }
+    let file = folder.join("coarse.glb").to_string_lossy().into_owned();
+    let (verdict, good) = ask("validate.mjs", std::slice::from_ref(&file));
+    assert!(good, "{verdict}");
+    let (answer, good) = ask("optimised.mjs", &[source, file, "8".into()]);
+    assert!(good, "{answer}");
+}
+
+#[test]
 fn several_files_go_into_a_folder_and_what_cannot_shrink_is_kept() {
     let folder = folder("optimized-many");
     let source = short().to_string_lossy().into_owned();
@@ -60,4 +101,26 @@ fn wrong_uses_are_told() {
     assert!(line.contains("would both become"), "{line}");
     let line = fault(&folder, 1, &["optimize", "none.glb", "out.glb"]);
     assert!(line.contains("none.glb"), "{line}");
+    let line = fault(
+        &folder,
+        2,
+        &["optimize", &source, "out.glb", "--fit", "moon"],
+    );
+    assert!(line.contains("vrchat-quest"), "{line}");
+    let line = fault(
+        &folder,
+        2,
+        &["optimize", &source, "out.glb", "--lock", "tail"],
+    );
+    assert!(line.contains("materials: "), "{line}");
+    let few = [
+        "optimize",
+        &source,
+        "out.glb",
+        "--no-keys",
+        "--max-triangles",
+        "1",
+    ];
+    let line = fault(&folder, 1, &few);
+    assert!(line.contains("triangles: 1 allowed"), "{line}");
 }

@@ -126,7 +126,11 @@ fn animated(clips: &[RawClip], listed: &JointSet) -> usize {
 
 impl JointReduction {
     /// Reduces all clips of a character.
-    pub(super) fn apply(&self, opened: &mut CharacterFile) -> Result<JointsReduced> {
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if there is no clip; [`Error::Argument`] or [`Error::Unsupported`] at
+    /// "selection" if the character has no such joints.
+    pub fn apply(&self, opened: &mut CharacterFile) -> Result<JointsReduced> {
         let place = opened.name().to_owned();
         if opened.character().clips.is_empty() {
             let what = "clips: the file has no clip to reduce";

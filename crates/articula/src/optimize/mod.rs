@@ -1,25 +1,35 @@
 //! A character file in fewer bytes, at an error in motion that is measured on the written file.
 //!
 //! - `source`: the character before anything is rounded, and files that are written of it
+//! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `report`: what was saved, and the errors
+//! - `fit`, `limits`: the least error at which a file is within limits
 //!
 //! Source: ours; `docs/methods/optimize.md`.
 
 mod clip;
+mod constraints;
+mod fit;
+mod limits;
 mod optimized_clip;
 mod report;
+mod simplification;
 mod source;
 
 pub use articula_formats::gltf::{BytesByKind, Compression};
+pub use fit::{Fit, optimize_to_fit};
+pub use limits::{OptimizeLimits, PlatformLimits};
 pub use report::{ClipOptimized, OptimizeReport};
 
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use crate::work::Executor;
 use articula_build::greatest_vertex_error;
+use articula_core::Articulation;
 use clip::Subject;
 use optimized_clip::OptimizedClip;
+use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
 use source::{MeshPrecision, Source};
 
 /// Greatest error in motion that is allowed, of any vertex at any time.
@@ -45,6 +55,13 @@ pub struct OptimizeOptions {
     pub compression: Compression,
     /// Whether keys are left out; otherwise values are rounded alone.
     pub reduce_keys: bool,
+    /// Whether triangles are removed.
+    pub simplify: bool,
+    /// Names of what keeps its triangles: regions of the body, materials, meshes, and morph targets and
+    /// joints, of which it is the vertices that they move.
+    pub locked: Vec<String>,
+    /// Factors on squared errors of the surface by body region name; 1 for regions without an entry.
+    pub region_weights: Vec<(String, f32)>,
     /// Whether texture coordinates and tangents stay that no material of the file uses, since an engine
     /// may have materials of its own.
     pub keep_attributes: bool,
@@ -61,6 +78,9 @@ impl Default for OptimizeOptions {
             },
             compression: Compression::default(),
             reduce_keys: true,
+            simplify: true,
+            locked: Vec::new(),
+            region_weights: Vec::new(),
             keep_attributes: false,
             seed: 1,
         }
@@ -87,13 +107,16 @@ const LEAST_SHARE: f32 = 1e-3;
 
 /// Writes a character in fewer bytes.
 ///
-/// Keys that are not missed are left out, values are rounded as far as the lever of their joint allows,
-/// vertices are put into an order that compresses, attributes that no material uses are left out, and
-/// arrays are compressed. Key times are those of the file: nothing is resampled.
+/// Triangles are removed where the surface is not missed, keys that are not missed are left out, values are
+/// rounded as far as the lever of their joint allows, vertices are put into an order that compresses,
+/// attributes that no material uses are left out, and arrays are compressed. Key times are those of the
+/// file: nothing is resampled.
 ///
 /// The error in motion is measured on the bytes that are returned: they are read as any file is, and every
-/// vertex is posed beside the source at all key times of each clip, the middles between them (at most
-/// 1500) and random times. The farthest vertex stays within the bound.
+/// vertex that is left is posed beside the source at all key times of each clip, the middles between them
+/// (at most 1500) and random times. Where triangles are gone, the surfaces are measured against each other
+/// in both directions, in up to 400 poses of clips and morph targets. The farthest vertex and the farthest
+/// point of either surface stay within the bound. How a texture lies on the surface is not measured.
 ///
 /// All else of a glTF document is kept: names, extras, VRM and other extensions, hierarchy, materials,
 /// skins, pictures. Prepared data and motion tables, which belong to the arrays as they were, are left
@@ -117,13 +140,123 @@ fn optimized(
     options: &OptimizeOptions,
     work: &Executor<'_>,
 ) -> Result<Optimized> {
-    let (before, source) = Source::of(opened, options)?;
-    let bound = bound_metres(&source, options.error)?;
-    let mut precision = MeshPrecision::of(&source, bound);
+    let prepared = Prepared::of(opened, options)?;
+    let bound = prepared.bound_metres(options.error)?;
+    let made = prepared.optimized(bound, options, None, work)?;
+    made.ok_or_else(|| Error::unsuited("nothing was written"))
+}
+
+/// A source, and what is known of the file that it is from.
+struct Prepared {
+    source: Source,
+    before: BytesByKind,
+    bytes_in: usize,
+    articulation: Articulation,
+}
+
+impl Prepared {
+    fn of(opened: &CharacterFile, options: &OptimizeOptions) -> Result<Self> {
+        let (before, source) = Source::of(opened, options)?;
+        Ok(Self {
+            source,
+            before,
+            bytes_in: opened.bytes(),
+            articulation: opened.articulation(),
+        })
+    }
+
+    /// The file within a bound in metres, with fewer triangles if that makes it smaller or it has too many;
+    /// `None` if it has too many anyway.
+    fn optimized(
+        &self,
+        bound: f32,
+        options: &OptimizeOptions,
+        max_triangles: Option<usize>,
+        work: &Executor<'_>,
+    ) -> Result<Option<Optimized>> {
+        let source = &self.source;
+        let is_few = |triangles: usize| max_triangles.is_none_or(|max| triangles <= max);
+        let is_whole_few = is_few(source.triangles());
+        let (mut least, mut saving) = (None, Saving::None);
+        let shares = SURFACE_SHARES.into_iter().filter(|_| options.simplify);
+        for share in shares {
+            let Some(simple) = Simplification::of(self, (bound, share), options, work)? else {
+                break;
+            };
+            saving = match is_whole_few {
+                true => simple.saving(source, bound, options)?,
+                false => Saving::Surely,
+            };
+            if saving == Saving::None || !is_few(simple.source.triangles()) {
+                break;
+            }
+            least = self.simplified(&simple, bound, options, work)?;
+            if least.is_some() {
+                break;
+            }
+        }
+        let made = match (least, saving) {
+            (Some(least), Saving::Surely) => Some(least),
+            (None, _) if !is_whole_few => None,
+            (least, _) => {
+                let whole = within(source, bound, options, work)?;
+                let least = least.filter(|least| least.glb.len() < whole.glb.len());
+                least.or(Some(whole))
+            }
+        };
+        Ok(made.map(|mut made| {
+            made.report.bytes_in = self.bytes_in;
+            made.report.bound_mm = 1e3 * bound;
+            made.report.before = self.before;
+            made.report.triangles_in = source.triangles();
+            made
+        }))
+    }
+
+    /// The file with fewer triangles, if its surface is within a bound in metres.
+    fn simplified(
+        &self,
+        simple: &Simplification,
+        bound: f32,
+        options: &OptimizeOptions,
+        work: &Executor<'_>,
+    ) -> Result<Option<Optimized>> {
+        for taken in TAKEN {
+            let left = bound - taken * simple.metres;
+            let mut made = within(&simple.source, left, options, work)?;
+            let metres = simple.surface_error(&self.source, &made.glb, options.seed)?;
+            if metres <= bound {
+                made.report.add_surface(metres);
+                return Ok(Some(made));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Number of joints of all skins.
+    fn skin_joints(&self) -> usize {
+        let joints = self.source.character.skeleton.joints.iter();
+        joints.filter(|joint| joint.in_skin).count()
+    }
+
+    /// The bound in metres of the character.
+    fn bound_metres(&self, error: ErrorBound) -> Result<f32> {
+        bound_metres(&self.source, error)
+    }
+}
+
+/// The file in which no vertex is farther than a bound in metres from where it is in the source.
+fn within(
+    source: &Source,
+    bound: f32,
+    options: &OptimizeOptions,
+    work: &Executor<'_>,
+) -> Result<Optimized> {
+    let mut precision = MeshPrecision::of(source, bound);
     let mut mesh = source.with_rounded_mesh(&precision)?;
-    let most = MeshPrecision::most(&source);
+    let most = MeshPrecision::most(source);
     for _ in 0..ROUNDS_OF_MESHES {
-        if Errors::measured(&source, &mesh, options, work)?.greatest() <= most * bound {
+        if Errors::measured(source, &mesh, options, work)?.greatest() <= most * bound {
             break;
         }
         precision = precision.finer();
@@ -133,7 +266,7 @@ fn optimized(
     let mut allowed = vec![bound; clips.len()];
     for round in 0..ROUNDS {
         let open: Vec<usize> = (0..clips.len()).filter(|c| clips[*c].is_none()).collect();
-        let subject = Subject::new(&source, &mesh)?;
+        let subject = Subject::new(source, &mesh)?;
         let made = work.map("reducing keys", open, |c| {
             let is_reduced = round < ROUNDS_OF_CLIPS && allowed[c] > LEAST_SHARE * bound;
             let made = match is_reduced && !source.keeps_arrays() {
@@ -148,14 +281,9 @@ fn optimized(
         let written: Vec<&OptimizedClip> = clips.iter().flatten().collect();
         let glb = source.written(&written, &precision, options)?;
         let shown = Source::read(&glb)?;
-        let errors = Errors::measured(&source, &shown, options, work)?;
+        let errors = Errors::measured(source, &shown, options, work)?;
         if errors.greatest() <= bound {
-            let report = OptimizeReport {
-                bytes_in: opened.bytes(),
-                bound_mm: 1e3 * bound,
-                before,
-                ..OptimizeReport::new(&source, &written, &errors, &glb)
-            };
+            let report = OptimizeReport::new(source, &written, &errors, &glb);
             return Ok(Optimized { glb, report });
         }
         if errors.rest > bound || round >= 2 {

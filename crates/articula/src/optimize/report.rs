@@ -37,8 +37,17 @@ pub struct OptimizeReport {
     pub after: BytesByKind,
     /// The greatest error that was allowed, in millimetres.
     pub bound_mm: f32,
-    /// Greatest error of a vertex at rest and over all clips, in millimetres.
+    /// The greater of the two errors that follow, in millimetres.
     pub error_mm: f32,
+    /// Greatest error of a vertex that is left, at rest and over all clips, in millimetres.
+    pub vertex_error_mm: f32,
+    /// Greatest distance between the surfaces of source and file where triangles were removed, in
+    /// millimetres, in poses of clips and morph targets; 0 if all triangles are left.
+    pub surface_error_mm: f32,
+    /// Number of triangles of the source.
+    pub triangles_in: usize,
+    /// Number of triangles of the written file.
+    pub triangles_out: usize,
     /// Greatest error of a vertex at rest, in millimetres.
     pub rest_error_mm: f32,
     /// The clips.
@@ -64,6 +73,10 @@ impl OptimizeReport {
             after: BytesByKind::of_glb(glb),
             bound_mm: 0.0,
             error_mm: 1e3 * errors.greatest(),
+            vertex_error_mm: 1e3 * errors.greatest(),
+            surface_error_mm: 0.0,
+            triangles_in: source.triangles(),
+            triangles_out: source.triangles(),
             rest_error_mm: 1e3 * errors.rest,
             clips: pairs
                 .map(|((before, after), error)| ClipOptimized {
@@ -77,5 +90,11 @@ impl OptimizeReport {
                 .collect(),
             keeps_arrays: source.keeps_arrays(),
         }
+    }
+
+    /// Adds the greatest distance between the surfaces in metres.
+    pub(super) fn add_surface(&mut self, metres: f32) {
+        self.surface_error_mm = 1e3 * metres;
+        self.error_mm = self.vertex_error_mm.max(self.surface_error_mm);
     }
 }

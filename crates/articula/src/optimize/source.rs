@@ -20,7 +20,7 @@ const TEXCOORD_STEP: f32 = 1.0 / 4096.0;
 /// A character and its document, whose vertices are in the order in which they are stored.
 pub(super) struct Source {
     pub(super) character: Character,
-    file: GltfSource,
+    pub(super) file: GltfSource,
 }
 
 /// Shares of the error for meshes.
@@ -156,15 +156,26 @@ impl Source {
         let before = document.bytes_by_kind();
         document.remove_prepared();
         document.remove_motion_tables();
+        if document.is_compressible() && !options.keep_attributes {
+            document.drop_unused_attributes();
+        }
+        Ok((before, Self::ordered(document)?))
+    }
+
+    /// The character of a document, with vertices and triangles in the order in which they are stored.
+    pub(super) fn ordered(mut document: Document) -> Result<Self> {
         if document.is_compressible() {
-            if !options.keep_attributes {
-                document.drop_unused_attributes();
-            }
             document.optimise_vertex_order(TEXCOORD_STEP)?;
         }
         let read = gltf::read_document(document, &Limits::default())?;
         let (character, file) = GltfSource::split(read.value);
-        Ok((before, Self { character, file }))
+        Ok(Self { character, file })
+    }
+
+    /// Number of triangles.
+    pub(super) fn triangles(&self) -> usize {
+        let primitives = self.character.meshes.iter().flat_map(|m| &m.primitives);
+        primitives.map(|p| p.triangles.len()).sum()
     }
 
     /// A written file, read as any file is.
@@ -189,9 +200,17 @@ impl Source {
 
     /// The same with meshes as the file that is written will have them.
     pub(super) fn with_rounded_mesh(&self, precision: &MeshPrecision) -> Result<Self> {
+        Self::read(&self.with_meshes(precision, Compression::None)?)
+    }
+
+    /// The file with rounded meshes and clips as they are.
+    pub(super) fn with_meshes(
+        &self,
+        precision: &MeshPrecision,
+        compression: Compression,
+    ) -> Result<Vec<u8>> {
         let arrays = precision.arrays(Vec::new());
-        let document = &self.file.document;
-        Self::read(&document.write_compressed(Compression::None, &arrays)?)
+        Ok(self.file.document.write_compressed(compression, &arrays)?)
     }
 
     /// The file with these clips.

@@ -44,6 +44,7 @@ mod received_items;
 mod round_trips;
 mod shaders;
 mod short;
+mod simplified;
 mod staged_items;
 mod streams;
 mod travelling_items;

@@ -13,9 +13,11 @@ use std::sync::OnceLock;
 
 const BOUND: f32 = 1e-3;
 
+/// All triangles are kept; `simplified` has tests of fewer.
 fn options() -> OptimizeOptions {
     OptimizeOptions {
         error: ErrorBound::Metres(BOUND),
+        simplify: false,
         ..OptimizeOptions::default()
     }
 }

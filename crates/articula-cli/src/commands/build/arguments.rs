@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use crate::arguments::region_factor;
 use crate::{fault, files};
 
 /// Factor by which the thesis' weighting increases errors near joints.
@@ -143,20 +144,6 @@ fn percent(text: &str) -> Result<f64, String> {
     match text.trim().trim_end_matches('%').parse::<f64>() {
         Ok(p) if p > 0.0 && p <= 100.0 => Ok(p),
         _ => Err("expected a percentage above 0 and at most 100".into()),
-    }
-}
-
-fn region_factor(text: &str) -> Result<(String, f32), String> {
-    let known = || Region::ALL.map(|r| r.to_string()).join(", ");
-    let (name, factor) = text
-        .split_once('=')
-        .ok_or("expected a form such as face=8")?;
-    let region = name
-        .parse::<Region>()
-        .map_err(|_| format!("expected one of the regions {}", known()))?;
-    match factor.parse::<f32>() {
-        Ok(x) if x > 0.0 && x <= 1e6 => Ok((region.to_string(), x)),
-        _ => Err("expected a factor above 0 and at most 1000000".into()),
     }
 }
 

@@ -1,56 +1,35 @@
 //! `convert --loa`: the joints that may move, and the report of the saving.
 
 use super::ConvertArgs;
-use crate::{files, selection};
-use articula::convert::{JointReduction, JointsReduced, MovingJoints};
+use crate::selection::Chosen;
+use articula::convert::{JointReduction, JointsReduced};
 use articula::core::joint_state::PassivePolicy;
 use serde::Serialize;
 
 /// The selection of joints.
 #[derive(Debug)]
 pub(super) struct Selected {
-    /// As written on the command line.
-    named: String,
-    /// Prefix of errors about it.
-    place: String,
+    chosen: Chosen,
     pub(super) reduction: JointReduction,
 }
 
 impl Selected {
     /// Reads the flags, and the file that they name.
     pub(super) fn of(args: &ConvertArgs) -> anyhow::Result<Option<Self>> {
-        let (named, place, moving) = match (&args.loa, &args.loa_profile) {
-            (Some(text), _) => {
-                let place = format!("--loa \"{text}\"");
-                let expression = selection::expression("--loa", text)?;
-                (text.clone(), place, MovingJoints::LoaExpression(expression))
-            }
-            (None, Some(path)) => {
-                let place = files::shown(path);
-                let selection = selection::saved(path)?.selection;
-                (place.clone(), place, MovingJoints::Selection(selection))
-            }
-            (None, None) => return Ok(None),
-        };
-        Ok(Some(Self {
-            named,
-            place,
+        let chosen = Chosen::of(args.loa.as_deref(), args.loa_profile.as_deref())?;
+        Ok(chosen.map(|chosen| Self {
             reduction: JointReduction {
-                moving,
+                moving: chosen.moving.clone(),
                 with_ancestors: args.with_ancestors,
                 passive: args.passive.unwrap_or(PassivePolicy::KeyPose),
             },
+            chosen,
         }))
     }
 
     /// An error of the library with the selection as the user wrote it.
-    pub(super) fn placed(&self, mut fault: articula::Error) -> articula::Error {
-        if let articula::Error::At { place, .. } = &mut fault
-            && place == "selection"
-        {
-            place.clone_from(&self.place);
-        }
-        fault
+    pub(super) fn placed(&self, fault: articula::Error) -> articula::Error {
+        self.chosen.placed(fault)
     }
 }
 
@@ -67,7 +46,7 @@ impl Reduction {
     /// Makes the report of a selection.
     pub(super) fn new(selected: &Selected, reduced: JointsReduced) -> Self {
         Self {
-            selection: selected.named.clone(),
+            selection: selected.chosen.named.clone(),
             passive: name(selected.reduction.passive),
             reduced,
         }

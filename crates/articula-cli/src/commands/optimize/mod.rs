@@ -3,15 +3,21 @@
 
 mod report;
 
-use crate::arguments::{ReadArgs, positive};
+use crate::arguments::{ReadArgs, positive, region_factor};
 use crate::console::Console;
 use crate::open;
+use crate::selection::Chosen;
 use crate::{fault, files};
+use articula::convert::JointReduction;
+use articula::core::joint_state::PassivePolicy;
 use articula::formats::Limits;
-use articula::optimize::{Compression, ErrorBound, OptimizeOptions, optimize};
+use articula::optimize::{
+    Compression, ErrorBound, OptimizeLimits, OptimizeOptions, PlatformLimits, optimize,
+    optimize_to_fit,
+};
 use articula::{CharacterFile, Format};
 use clap::{Args, ValueEnum};
-use report::{Batch, OptimizedFile};
+use report::{Batch, JointsHeld, OptimizedFile};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `optimize`.
@@ -35,6 +41,39 @@ pub(crate) struct OptimizeArgs {
     /// Keep all keys, and round their values alone
     #[arg(long)]
     no_keys: bool,
+    /// Keep all triangles
+    #[arg(long)]
+    no_simplify: bool,
+    /// What keeps its triangles: regions of the body, materials, meshes, and what morph targets or joints
+    /// move, by name
+    #[arg(
+        long,
+        value_name = "NAME,…",
+        value_delimiter = ',',
+        conflicts_with = "no_simplify"
+    )]
+    lock: Vec<String>,
+    /// Factors by which squared errors of the surface count more in body regions, such as face=8,hands=4
+    #[arg(long, value_name = "REGION=X,…", value_delimiter = ',', value_parser = region_factor, conflicts_with = "no_simplify")]
+    region_weight: Vec<(String, f32)>,
+    /// Joints that may move, such as "loa(Low) + zone(hands)"; all others are held, and errors are those
+    /// from the motion that is left
+    #[arg(long, value_name = "EXPR")]
+    loa: Option<String>,
+    /// LoA profile with the joints that may move (JSON), instead of --loa
+    #[arg(long, value_name = "F.json", conflicts_with = "loa")]
+    loa_profile: Option<PathBuf>,
+    /// Greatest size of each file (3MB, 500kB, or bytes); with it, --max-triangles or --fit the error is the
+    /// one that was asked for or the least greater one at which the file fits
+    #[arg(long, value_name = "SIZE", value_parser = size_bytes)]
+    max_bytes: Option<usize>,
+    /// Greatest number of triangles
+    #[arg(long, value_name = "N", conflicts_with = "no_simplify")]
+    max_triangles: Option<usize>,
+    /// Published limits of a platform: vrchat-quest, vrchat-quest-good, vrchat-quest-excellent, cluster,
+    /// mona, roblox, second-life
+    #[arg(long, value_name = "NAME", conflicts_with = "no_simplify")]
+    fit: Option<String>,
     /// Keep texture coordinates and tangents that no material of the file uses
     #[arg(long)]
     keep_attributes: bool,
@@ -79,10 +118,22 @@ fn error(text: &str) -> Result<Given, String> {
     }
 }
 
+/// Parses a size of a file in bytes.
+fn size_bytes(text: &str) -> Result<usize, String> {
+    let units = [("MB", 1e6), ("kB", 1e3), ("B", 1.0), ("", 1.0)];
+    let found = units.into_iter().find_map(|(unit, bytes)| {
+        let number: f32 = positive(text.trim().strip_suffix(unit)?).ok()?;
+        Some((f64::from(number) * bytes).round() as usize)
+    });
+    found.ok_or_else(|| "expected a size such as 3MB, 500kB or 500000".to_owned())
+}
+
 /// Optimises and writes.
 pub(crate) fn run(args: &OptimizeArgs, console: &Console) -> anyhow::Result<()> {
+    args.limits()?;
     let plan = args.plan()?;
     let inputs = plan.iter().map(|(input, _)| *input);
+    let inputs = inputs.chain(args.loa_profile.as_deref());
     let made = args.folder().is_none_or(Path::is_dir);
     let outputs = plan.iter().filter(|_| made).map(|(_, out)| out.as_path());
     console
@@ -179,9 +230,49 @@ impl OptimizeArgs {
                 Kind::None => Compression::None,
             },
             reduce_keys: !self.no_keys,
+            simplify: !self.no_simplify,
+            locked: self.lock.clone(),
+            region_weights: self.region_weight.clone(),
             keep_attributes: self.keep_attributes,
             seed: self.seed,
         }
+    }
+
+    /// The platform whose limits are meant.
+    fn platform(&self) -> anyhow::Result<Option<PlatformLimits>> {
+        let platform = self.fit.as_deref().map(PlatformLimits::of).transpose();
+        platform.map_err(|fault| fault::usage(format!("--{fault}")))
+    }
+
+    fn limits(&self) -> anyhow::Result<OptimizeLimits> {
+        let own = OptimizeLimits {
+            max_bytes: self.max_bytes,
+            max_triangles: self.max_triangles,
+            max_joints: None,
+        };
+        let platform = self.platform()?;
+        Ok(platform.map_or(own, |platform| own.and(platform.limits)))
+    }
+
+    /// Holds the joints that may not move.
+    fn held(&self, opened: &mut CharacterFile) -> anyhow::Result<Option<JointsHeld>> {
+        let chosen = Chosen::of(self.loa.as_deref(), self.loa_profile.as_deref())?;
+        let Some(chosen) = chosen else {
+            return Ok(None);
+        };
+        let reduction = JointReduction {
+            moving: chosen.moving.clone(),
+            with_ancestors: false,
+            passive: PassivePolicy::KeyPose,
+        };
+        let reduced = reduction
+            .apply(opened)
+            .map_err(|fault| chosen.placed(fault))?;
+        Ok(Some(JointsHeld {
+            selection: chosen.named,
+            joints: reduced.joints,
+            joints_active: reduced.joints_active,
+        }))
     }
 
     /// Writes one file. The source is written where the result would not be smaller.
@@ -191,10 +282,25 @@ impl OptimizeArgs {
         out: &Path,
         console: &Console,
     ) -> anyhow::Result<OptimizedFile> {
-        let opened = open::motion(&console.files, input, &self.names)?;
-        let made = console.work(|work| optimize(&opened, &self.options(), work))?;
+        let mut opened = open::motion(&console.files, input, &self.names)?;
+        let joints = self.held(&mut opened)?;
+        let (limits, options) = (self.limits()?, self.options());
+        let (made, fit) = match limits.is_none() {
+            true => (
+                console.work(|work| optimize(&opened, &options, work))?,
+                None,
+            ),
+            false => {
+                let (made, fit) =
+                    console.work(|work| optimize_to_fit(&opened, &options, &limits, work))?;
+                (made, Some(fit))
+            }
+        };
         let is_whole = is_whole(&opened, input);
-        let is_kept = is_whole && made.report.bytes_out >= made.report.bytes_in;
+        let is_kept = is_whole
+            && joints.is_none()
+            && fit.is_none()
+            && made.report.bytes_out >= made.report.bytes_in;
         if let Some(folder) = self.folder() {
             console.files.make_folder(folder)?;
         }
@@ -207,6 +313,9 @@ impl OptimizeArgs {
             input: files::shown(input),
             out: files::shown(out),
             is_kept,
+            joints,
+            fit,
+            platform: self.platform()?,
             warnings: open::warnings(opened.warnings()),
             report: made.report,
         })
@@ -230,6 +339,17 @@ mod tests {
         assert_eq!(error("5cm"), Ok(Given::Metres(0.05)));
         for bad in ["", "1", "px", "0px", "-1mm", "1in"] {
             assert!(error(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sizes_are_bytes_or_have_a_unit() {
+        assert_eq!(size_bytes("3MB"), Ok(3_000_000));
+        assert_eq!(size_bytes("1.5 kB"), Ok(1500));
+        assert_eq!(size_bytes("700B"), Ok(700));
+        assert_eq!(size_bytes("700"), Ok(700));
+        for bad in ["", "MB", "0", "-1kB", "3GB"] {
+            assert!(size_bytes(bad).is_err(), "{bad}");
         }
     }
 }

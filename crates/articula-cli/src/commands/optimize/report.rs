@@ -1,7 +1,7 @@
 //! What was saved, as text and JSON.
 
 use crate::table::{Table, counted, warnings};
-use articula::optimize::OptimizeReport;
+use articula::optimize::{Fit, OptimizeReport, PlatformLimits};
 use serde::Serialize;
 
 /// One optimised file.
@@ -13,9 +13,23 @@ pub(super) struct OptimizedFile {
     /// Whether the source was written, since nothing could be saved.
     #[serde(rename = "kept_as_it_is")]
     pub(super) is_kept: bool,
+    /// The joints that may move, if they were chosen.
+    pub(super) joints: Option<JointsHeld>,
+    /// How it was made to fit into limits, if there are any.
+    pub(super) fit: Option<Fit>,
+    /// The platform whose limits are meant.
+    pub(super) platform: Option<PlatformLimits>,
     #[serde(flatten)]
     pub(super) report: OptimizeReport,
     pub(super) warnings: Vec<String>,
+}
+
+/// The joints that keep their motion.
+#[derive(Debug, Serialize)]
+pub(super) struct JointsHeld {
+    pub(super) selection: String,
+    pub(super) joints: usize,
+    pub(super) joints_active: usize,
 }
 
 /// Several files.
@@ -44,10 +58,26 @@ impl OptimizedFile {
             }
         }
         text += &parts.text();
+        text += &self.limits();
+        if let Some(held) = &self.joints {
+            text += &format!(
+                "{}: {} of {} joints move, the others are held\n",
+                held.selection, held.joints_active, held.joints
+            );
+        }
         text += &format!(
             "error in motion, measured on the file that was written: {:.3} mm of {:.3} mm allowed\n",
             report.error_mm, report.bound_mm
         );
+        if report.triangles_out < report.triangles_in {
+            text += &format!(
+                "triangles: {} -> {}; error of the surface {:.3} mm, of the vertices left {:.3} mm\n",
+                report.triangles_in,
+                report.triangles_out,
+                report.surface_error_mm,
+                report.vertex_error_mm
+            );
+        }
         if !report.clips.is_empty() {
             let mut clips = Table::new(&["clip", "channels", "keys", "error mm"]);
             for clip in &report.clips {
@@ -64,6 +94,47 @@ impl OptimizedFile {
             text += "warning: an extension that is not known may refer to arrays, which stay as they are\n";
         }
         text + &warnings(&self.warnings)
+    }
+
+    /// The limits, and the error at which the file is within them.
+    fn limits(&self) -> String {
+        let mut text = String::new();
+        if let Some(platform) = &self.platform {
+            let PlatformLimits {
+                name,
+                about,
+                source,
+                seen,
+                ..
+            } = platform;
+            text += &format!("{name}: {about} ({source}, {seen})\n");
+        }
+        let Some(fit) = &self.fit else {
+            return text;
+        };
+        let limits = [
+            (fit.limits.max_bytes, self.report.bytes_out, "bytes"),
+            (
+                fit.limits.max_triangles,
+                self.report.triangles_out,
+                "triangles",
+            ),
+        ];
+        for (max, found, what) in limits {
+            if let Some(max) = max {
+                text += &format!("{found} of {max} {what} allowed\n");
+            }
+        }
+        text + &match fit.too_large_at_mm {
+            None => format!(
+                "it fits at the error that was asked for, {:.3} mm\n",
+                fit.asked_mm
+            ),
+            Some(mm) => format!(
+                "it fits at an error of {:.3} mm, not at {mm:.3} mm; asked for were {:.3} mm\n",
+                fit.bound_mm, fit.asked_mm
+            ),
+        }
     }
 
     /// The bytes before and after.
