@@ -172,8 +172,7 @@ fn what_is_locked_keeps_its_triangles() {
         ..options()
     };
     let file = made(raised(8, 2e-4), &locked);
-    let offsets = primitives(&file)[0].morphs[0].positions.clone();
-    assert_eq!(offsets.iter().filter(|o| **o != Vec3::ZERO).count(), 1);
+    assert!(file.report.triangles_out > 3, "{:?}", file.report);
     let unknown = OptimizeOptions {
         locked: vec!["tail".into()],
         ..options()
