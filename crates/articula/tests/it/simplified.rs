@@ -255,6 +255,8 @@ fn a_human_loses_triangles_and_hardly_more_the_second_time() {
     };
     let coarse = OptimizeOptions {
         error: ErrorBound::Metres(8e-3),
+        // Keys have tests of their own, which take long.
+        reduce_keys: false,
         ..OptimizeOptions::default()
     };
     let once = made(human(), &coarse);
