@@ -169,7 +169,8 @@ mod tests {
         let mut extended = square();
         extended.json["meshes"][0]["primitives"][0]["extensions"] = json!({"EXT_new": {}});
         let mut twice = square();
-        twice.json["nodes"][0]["mesh"] = json!(0);
+        let nodes = twice.json["nodes"].as_array_mut().unwrap();
+        nodes.push(json!({"mesh": 0}));
         for document in [strip, extended, twice] {
             let node = node(&document);
             assert_eq!(document.replaceable_parts(node).unwrap(), [false]);
