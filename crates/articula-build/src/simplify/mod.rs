@@ -84,7 +84,7 @@ pub struct SimplifyOptions {
     /// the quadrics. Without it, simplification is less accurate and about three times as fast:
     /// enough for the first reduction of a surface that is far finer than needed.
     pub measured: bool,
-    /// Where to stop; wherever the targets are. Needs [`Self::measured`].
+    /// Where to stop, whatever the targets are. Needs [`Self::measured`].
     pub limit: Option<SimplifyLimit>,
 }
 
