@@ -1,4 +1,4 @@
-//! PNG encoder and decoder, decoders of JPEG and WebP.
+//! PNG encoder and decoder, decoders of JPEG and WebP. Small files: `encode`.
 
 use crate::error::PictureError;
 use crate::item_buffer::MAX_SIDE;
@@ -26,25 +26,7 @@ impl Picture {
         )
     }
 
-    /// Encodes the picture as a smaller PNG, more slowly: without alpha where every pixel is opaque.
-    ///
-    /// # Errors
-    /// As [`Self::to_png`].
-    pub fn to_small_png(&self) -> Result<Vec<u8>, PictureError> {
-        let level = png::Compression::High;
-        if self.pixels().iter().any(|p| p[3] < 255) {
-            let data = self.pixels().as_flattened();
-            return self.encoded(png::ColorType::Rgba, level, data);
-        }
-        let data: Vec<u8> = self
-            .pixels()
-            .iter()
-            .flat_map(|[r, g, b, _]| [*r, *g, *b])
-            .collect();
-        self.encoded(png::ColorType::Rgb, level, &data)
-    }
-
-    fn encoded(
+    pub(crate) fn encoded(
         &self,
         color: png::ColorType,
         compression: png::Compression,
@@ -221,8 +203,7 @@ mod tests {
             let bytes = picture.to_small_png().unwrap();
             assert_eq!(Picture::decode(&bytes).unwrap(), picture);
             // The colour type stands after the signature, the start of the header and its sizes.
-            let is_opaque = picture.pixels().iter().all(|p| p[3] == 255);
-            assert_eq!(bytes[25], if is_opaque { 2 } else { 6 });
+            assert_eq!(bytes[25], if picture.is_opaque() { 2 } else { 6 });
         }
     }
 

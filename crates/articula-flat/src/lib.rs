@@ -8,6 +8,8 @@
 //!   [`Appearance`]: materials and textures; [`orbit_view`], [`tight_view`]: camera placement;
 //!   [`Ground`]: the floor
 //! - [`Picture::to_png`], [`Picture::decode`]: picture files; [`Picture::resized`]: smaller textures
+//! - [`Picture::to_small_png`], [`Picture::to_jpeg`], [`Picture::to_webp`]: small files;
+//!   [`color_difference`], [`number_difference`]: whether a texture looks the same
 //! - [`rmse`], [`ssim`], [`equal_shift`]: image differences
 //! - [`planar`]: a clip projected to the screen, ready to be written in 2D
 //! - [`flatten`]: writes a planar clip to a file and measures size and error, in one call
@@ -73,6 +75,7 @@ extern crate self as articula_flat;
 mod appearance;
 mod codec;
 mod compare;
+mod encode;
 mod error;
 pub mod flatten;
 mod frame;
@@ -89,6 +92,7 @@ mod projection;
 mod render;
 mod resize;
 mod shift;
+mod texture_difference;
 pub mod vector;
 
 pub use appearance::{Appearance, UndecodedTexture};
@@ -103,3 +107,6 @@ pub use projection::{Projection, Screen};
 pub use render::{Light, PartSelection, RenderOptions, render};
 pub use resize::Averaging;
 pub use shift::{PictureShift, equal_shift};
+pub use texture_difference::{
+    ColorDifference, NumberDifference, color_difference, number_difference,
+};

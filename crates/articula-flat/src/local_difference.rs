@@ -159,6 +159,19 @@ pub(crate) fn local_differences(
     all
 }
 
+/// The colour difference at each pixel of two pictures of equal size over white.
+///
+/// O(pixels x width of the Gaussian).
+pub(crate) fn difference_map(a: &Picture, b: &Picture, sigma_px: f32) -> Vec<f32> {
+    let rows = 0..a.height() as usize;
+    let (p, q) = (
+        Blurred::of(a, &rows, sigma_px),
+        Blurred::of(b, &rows, sigma_px),
+    );
+    let pairs = p.0.iter().zip(&q.0);
+    pairs.map(|(p, q)| delta_e(*p, *q)).collect()
+}
+
 /// Rows that have a region.
 fn rows_of(regions: &[Option<JudgedRegion>], width: usize) -> Option<std::ops::Range<usize>> {
     let first = regions.iter().position(Option::is_some)?;

@@ -9,20 +9,39 @@ use super::compression::take_extension;
 use super::document::Document;
 use super::texture_source::sources;
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
 
 const TRANSFORM: &str = "KHR_texture_transform";
 
 /// References to textures that hold numbers instead of colours.
-const DATA: [&str; 7] = [
+const DATA: [&str; 16] = [
     "normalTexture",
     "occlusionTexture",
     "metallicRoughnessTexture",
+    "anisotropyTexture",
+    "clearcoatTexture",
     "clearcoatRoughnessTexture",
     "clearcoatNormalTexture",
+    "diffuseTransmissionTexture",
+    "iridescenceTexture",
+    "iridescenceThicknessTexture",
+    "sheenRoughnessTexture",
+    "specularTexture",
     "thicknessTexture",
     "transmissionTexture",
+    "shadingShiftTexture",
+    "outlineWidthMultiplyTexture",
 ];
+
+/// What the materials of a document use a picture for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct PictureUse {
+    /// As colours.
+    pub colors: bool,
+    /// As normals or other numbers.
+    pub numbers: bool,
+    /// A texture names another picture beside it, for readers of other formats.
+    pub has_alternative: bool,
+}
 
 /// Set and transform of a reference to a texture.
 fn coordinates(info: &Value) -> (u64, Value) {
@@ -65,30 +84,45 @@ impl Document {
     /// Returns for each picture whether it holds colours, or is not used: not only normals or other
     /// numbers.
     pub fn pictures_of_colors(&self) -> Vec<bool> {
-        let (mut colors, mut data) = (BTreeSet::new(), BTreeSet::new());
-        let textures = self.json.get("textures");
-        let sources = |texture: usize| textures.and_then(|t| t.get(texture)).map(sources);
+        let uses = self.picture_uses();
+        uses.iter().map(|of| of.colors || !of.numbers).collect()
+    }
+
+    /// Returns for each picture what the materials use it for. Extensions outside of materials may use
+    /// pictures for more.
+    pub fn picture_uses(&self) -> Vec<PictureUse> {
+        let mut uses = vec![PictureUse::default(); self.count("images")];
+        let textures = self.json.get("textures").and_then(Value::as_array);
+        let named: Vec<Vec<usize>> = textures
+            .into_iter()
+            .flatten()
+            .map(|texture| sources(texture).collect())
+            .collect();
+        for several in named.iter().filter(|named| named.len() > 1) {
+            for i in several {
+                if let Some(of) = uses.get_mut(*i) {
+                    of.has_alternative = true;
+                }
+            }
+        }
         let mut open: Vec<&Value> = self.json.get("materials").into_iter().collect();
         while let Some(value) = open.pop() {
             open.extend(value.as_array().into_iter().flatten());
             for (key, inner) in value.as_object().into_iter().flatten() {
                 open.push(inner);
-                if is_reference(key, inner) {
-                    let kind = match DATA.contains(&key.as_str()) {
-                        true => &mut data,
-                        false => &mut colors,
-                    };
-                    kind.extend(
-                        index(inner, "index")
-                            .and_then(sources)
-                            .into_iter()
-                            .flatten(),
-                    );
+                if !is_reference(key, inner) {
+                    continue;
+                }
+                let texture = index(inner, "index").and_then(|i| named.get(i));
+                for i in texture.into_iter().flatten() {
+                    if let Some(of) = uses.get_mut(*i) {
+                        let is_data = DATA.contains(&key.as_str());
+                        *(if is_data { &mut of.numbers } else { &mut of.colors }) = true;
+                    }
                 }
             }
         }
-        let holds_colors = |i: usize| colors.contains(&i) || !data.contains(&i);
-        (0..self.count("images")).map(holds_colors).collect()
+        uses
     }
 }
 
@@ -145,6 +179,16 @@ mod tests {
             pictures: Vec::new(),
         };
         assert_eq!(document.pictures_of_colors(), [true, false, false, true]);
+        let unused = PictureUse::default();
+        let numbers = PictureUse {
+            numbers: true,
+            ..unused
+        };
+        let colors = PictureUse {
+            colors: true,
+            ..unused
+        };
+        assert_eq!(document.picture_uses(), [unused, numbers, numbers, colors]);
         let told = document.set_plain_textures();
         assert_eq!(
             told,
