@@ -144,9 +144,15 @@ impl Picture {
             chunk.iter().enumerate().fold(0, fill)
         };
         let rows = indices.chunks(self.width().max(1) as usize);
-        let data: Vec<u8> = rows.flat_map(|row| row.chunks(8 / bits).map(packed)).collect();
+        let data: Vec<u8> = rows
+            .flat_map(|row| row.chunks(8 / bits).map(packed))
+            .collect();
         let palette = order.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
-        let clear: Vec<u8> = order.iter().map(|p| p[3]).take_while(|a| *a < 255).collect();
+        let clear: Vec<u8> = order
+            .iter()
+            .map(|p| p[3])
+            .take_while(|a| *a < 255)
+            .collect();
         let refuse = |e: png::EncodingError| PictureError::Mismatch {
             at: "picture",
             what: e.to_string(),

@@ -102,7 +102,10 @@ mod tests {
         let mut spot = plain.clone();
         spot.set(50, 50, [255; 4]);
         let found = color_difference(&plain, &spot).unwrap();
-        assert!(found.largest > 10.0 && found.most < 0.3 * found.largest, "{found:?}");
+        assert!(
+            found.largest > 10.0 && found.most < 0.3 * found.largest,
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -98,6 +98,7 @@ pub use face::{StoredFace, StoredPoint};
 pub use joints::{NewJoint, OldJoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use kinds::BytesByKind;
+pub use plain_textures::PictureUse;
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;
 

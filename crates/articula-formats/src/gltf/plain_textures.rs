@@ -117,7 +117,11 @@ impl Document {
                 for i in texture.into_iter().flatten() {
                     if let Some(of) = uses.get_mut(*i) {
                         let is_data = DATA.contains(&key.as_str());
-                        *(if is_data { &mut of.numbers } else { &mut of.colors }) = true;
+                        *(if is_data {
+                            &mut of.numbers
+                        } else {
+                            &mut of.colors
+                        }) = true;
                     }
                 }
             }

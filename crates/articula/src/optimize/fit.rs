@@ -49,7 +49,7 @@ fn fitted(
     limits: &OptimizeLimits,
     work: &Executor<'_>,
 ) -> Result<(Optimized, Fit)> {
-    let prepared = Prepared::of(opened, options)?;
+    let prepared = Prepared::of(opened, options, work)?;
     let asked = prepared.bound_metres(options.error)?;
     let share = ErrorBound::Pixels {
         px: 1.0,

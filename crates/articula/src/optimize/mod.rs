@@ -3,6 +3,7 @@
 //! - `source`: the character before anything is rounded, and files that are written of it
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
+//! - `textures`, `picture_file`: pictures in fewer bytes that look the same
 //! - `report`: what was saved, and the errors
 //! - `fit`, `limits`: the least error at which a file is within limits
 //!
@@ -13,14 +14,20 @@ mod constraints;
 mod fit;
 mod limits;
 mod optimized_clip;
+#[cfg(feature = "flat")]
+mod picture_file;
 mod report;
 mod simplification;
 mod source;
+#[cfg(feature = "flat")]
+mod textures;
 
 pub use articula_formats::gltf::{BytesByKind, Compression};
 pub use fit::{Fit, optimize_to_fit};
 pub use limits::{OptimizeLimits, PlatformLimits};
 pub use report::{ClipOptimized, OptimizeReport};
+#[cfg(feature = "flat")]
+pub use textures::{TextureContents, TextureFormat, TextureOptimized, TextureOptions};
 
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
@@ -65,6 +72,9 @@ pub struct OptimizeOptions {
     /// Whether texture coordinates and tangents stay that no material of the file uses, since an engine
     /// may have materials of its own.
     pub keep_attributes: bool,
+    /// What is done with textures.
+    #[cfg(feature = "flat")]
+    pub textures: TextureOptions,
     /// Seed of the times at which the error is measured, besides key times and their middles.
     pub seed: u64,
 }
@@ -82,6 +92,8 @@ impl Default for OptimizeOptions {
             locked: Vec::new(),
             region_weights: Vec::new(),
             keep_attributes: false,
+            #[cfg(feature = "flat")]
+            textures: TextureOptions::default(),
             seed: 1,
         }
     }
@@ -119,7 +131,7 @@ const LEAST_SHARE: f32 = 1e-3;
 /// point of either surface stay within the bound. How a texture lies on the surface is not measured.
 ///
 /// All else of a glTF document is kept: names, extras, VRM and other extensions, hierarchy, materials,
-/// skins, pictures. Prepared data and motion tables, which belong to the arrays as they were, are left
+/// skins. Pictures get the fewest bytes with which they look the same. Prepared data and motion tables, which belong to the arrays as they were, are left
 /// out. A document with an extension that may refer to arrays, and is not known, keeps all its arrays.
 /// A file that was compressed before can become larger, as [`OptimizeReport::bytes_out`] tells.
 ///
@@ -140,7 +152,7 @@ fn optimized(
     options: &OptimizeOptions,
     work: &Executor<'_>,
 ) -> Result<Optimized> {
-    let prepared = Prepared::of(opened, options)?;
+    let prepared = Prepared::of(opened, options, work)?;
     let bound = prepared.bound_metres(options.error)?;
     let made = prepared.optimized(bound, options, None, work)?;
     made.ok_or_else(|| Error::unsuited("nothing was written"))
@@ -152,12 +164,18 @@ struct Prepared {
     before: BytesByKind,
     bytes_in: usize,
     articulation: Articulation,
+    #[cfg(feature = "flat")]
+    textures: Vec<TextureOptimized>,
 }
 
 impl Prepared {
-    fn of(opened: &CharacterFile, options: &OptimizeOptions) -> Result<Self> {
+    fn of(opened: &CharacterFile, options: &OptimizeOptions, work: &Executor<'_>) -> Result<Self> {
         let (before, source) = Source::of(opened, options)?;
+        #[cfg(feature = "flat")]
+        let (source, textures) = source.with_small_textures(options, work)?;
         Ok(Self {
+            #[cfg(feature = "flat")]
+            textures,
             source,
             before,
             bytes_in: opened.bytes(),
@@ -208,6 +226,8 @@ impl Prepared {
             made.report.bytes_in = self.bytes_in;
             made.report.bound_mm = 1e3 * bound;
             made.report.before = self.before;
+            #[cfg(feature = "flat")]
+            made.report.textures.clone_from(&self.textures);
             made.report.triangles_in = source.triangles();
             made
         }))

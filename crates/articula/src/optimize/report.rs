@@ -3,6 +3,8 @@
 use super::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
+#[cfg(feature = "flat")]
+use super::textures::TextureOptimized;
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;
 use serde::Serialize;
@@ -52,6 +54,9 @@ pub struct OptimizeReport {
     pub rest_error_mm: f32,
     /// The clips.
     pub clips: Vec<ClipOptimized>,
+    /// The pictures.
+    #[cfg(feature = "flat")]
+    pub textures: Vec<TextureOptimized>,
     /// Whether the arrays stayed as they were, since an unknown extension may refer to them.
     pub keeps_arrays: bool,
 }
@@ -88,6 +93,8 @@ impl OptimizeReport {
                     error_mm: 1e3 * error,
                 })
                 .collect(),
+            #[cfg(feature = "flat")]
+            textures: Vec::new(),
             keeps_arrays: source.keeps_arrays(),
         }
     }

@@ -2,9 +2,13 @@
 
 use super::OptimizeOptions;
 use super::optimized_clip::OptimizedClip;
+#[cfg(feature = "flat")]
+use super::textures::{TextureOptimized, optimize_textures};
 use crate::convert;
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Format, GltfSource, OpenOptions, open};
+#[cfg(feature = "flat")]
+use crate::work::Executor;
 use articula_build::PosedVertices;
 use articula_core::source::Character;
 use articula_formats::Limits;
@@ -176,6 +180,24 @@ impl Source {
     pub(super) fn triangles(&self) -> usize {
         let primitives = self.character.meshes.iter().flat_map(|m| &m.primitives);
         primitives.map(|p| p.triangles.len()).sum()
+    }
+
+    /// The same with pictures in fewer bytes. A document that keeps its arrays keeps its pictures too, which
+    /// lie beside them.
+    #[cfg(feature = "flat")]
+    pub(super) fn with_small_textures(
+        mut self,
+        options: &OptimizeOptions,
+        work: &Executor<'_>,
+    ) -> Result<(Self, Vec<TextureOptimized>)> {
+        if self.keeps_arrays() {
+            return Ok((self, Vec::new()));
+        }
+        let is_plain = options.compression == Compression::None;
+        let options = (&options.textures, is_plain);
+        let (document, images) = (&mut self.file.document, &self.character.images);
+        let textures = optimize_textures(document, images, options, work)?;
+        Ok((self, textures))
     }
 
     /// A written file, read as any file is.

@@ -2,6 +2,7 @@
 //! on what is written.
 
 mod report;
+mod textures;
 
 use crate::arguments::{ReadArgs, positive, region_factor};
 use crate::console::Console;
@@ -12,13 +13,14 @@ use articula::convert::JointReduction;
 use articula::core::joint_state::PassivePolicy;
 use articula::formats::Limits;
 use articula::optimize::{
-    Compression, ErrorBound, OptimizeLimits, OptimizeOptions, PlatformLimits, optimize,
-    optimize_to_fit,
+    Compression, ErrorBound, OptimizeLimits, OptimizeOptions, OptimizeReport, PlatformLimits,
+    optimize, optimize_to_fit,
 };
 use articula::{CharacterFile, Format};
 use clap::{Args, ValueEnum};
 use report::{Batch, JointsHeld, OptimizedFile};
 use std::path::{Path, PathBuf};
+use textures::TextureArgs;
 
 /// Arguments of `optimize`.
 #[derive(Debug, Args)]
@@ -77,6 +79,8 @@ pub(crate) struct OptimizeArgs {
     /// Keep texture coordinates and tangents that no material of the file uses
     #[arg(long)]
     keep_attributes: bool,
+    #[command(flatten)]
+    textures: TextureArgs,
     /// Seed of the times at which the error is measured, besides key times and their middles
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -234,6 +238,7 @@ impl OptimizeArgs {
             locked: self.lock.clone(),
             region_weights: self.region_weight.clone(),
             keep_attributes: self.keep_attributes,
+            textures: self.textures.options(),
             seed: self.seed,
         }
     }
@@ -316,10 +321,17 @@ impl OptimizeArgs {
             joints,
             fit,
             platform: self.platform()?,
-            warnings: open::warnings(opened.warnings()),
+            warnings: warnings(&opened, &made.report),
             report: made.report,
         })
     }
+}
+
+/// What was repaired in the file, and the pictures that are broken.
+fn warnings(opened: &CharacterFile, report: &OptimizeReport) -> Vec<String> {
+    let mut all = open::warnings(opened.warnings());
+    all.extend(report.textures.iter().filter_map(|t| t.warning.clone()));
+    all
 }
 
 /// Whether a file is a GLB, which has all of its data in itself.

@@ -1,7 +1,7 @@
 //! What was saved, as text and JSON.
 
 use crate::table::{Table, counted, warnings};
-use articula::optimize::{Fit, OptimizeReport, PlatformLimits};
+use articula::optimize::{Fit, OptimizeReport, PlatformLimits, TextureContents, TextureOptimized};
 use serde::Serialize;
 
 /// One optimised file.
@@ -90,6 +90,7 @@ impl OptimizedFile {
             }
             text += &clips.text();
         }
+        text += &textures(&report.textures);
         if report.keeps_arrays {
             text += "warning: an extension that is not known may refer to arrays, which stay as they are\n";
         }
@@ -146,6 +147,35 @@ impl OptimizedFile {
         let percent = 100.0 * after as f64 / before.max(1) as f64;
         format!("{before} -> {after} bytes ({percent:.1} %)")
     }
+}
+
+/// The pictures; those that stay as they are have one size and one type.
+fn textures(all: &[TextureOptimized]) -> String {
+    if all.is_empty() {
+        return String::new();
+    }
+    let arrow = |before: String, after: String| match before == after {
+        true => after,
+        false => format!("{before} -> {after}"),
+    };
+    let size = |size: Option<[u32; 2]>| size.map_or("-".to_owned(), |[w, h]| format!("{w} x {h}"));
+    let kind = |of: &str| of.strip_prefix("image/").unwrap_or(of).to_owned();
+    let mut table = Table::new(&["picture", "bytes", "format", "size", "difference"]);
+    for t in all {
+        let difference = match (t.holds, t.delta_e, t.levels) {
+            (TextureContents::Numbers, _, Some(levels)) => format!("{levels} levels"),
+            (_, Some(delta_e), _) => format!("{delta_e:.2} dE"),
+            _ => "-".to_owned(),
+        };
+        table.row([
+            format!("{} {}", t.picture, t.name).trim_end().to_owned(),
+            arrow(t.bytes_in.to_string(), t.bytes_out.to_string()),
+            arrow(kind(&t.type_in), kind(&t.type_out)),
+            arrow(size(t.size_in), size(t.size_out)),
+            difference,
+        ]);
+    }
+    table.text()
 }
 
 impl Batch {

@@ -3,7 +3,9 @@
 use crate::peers::optimisers::{self, Judged};
 use anyhow::{Context, Result, ensure};
 use articula::Executor;
-use articula::optimize::{Compression, ErrorBound, OptimizeOptions, optimize};
+use articula::optimize::{
+    Compression, ErrorBound, OptimizeOptions, TextureFormat, TextureOptions, optimize,
+};
 use std::path::Path;
 
 /// Lines of the picture that the figure at rest fills.
@@ -137,6 +139,12 @@ impl Contest {
             compression: match is_khr {
                 true => Compression::Khr,
                 false => Compression::Ext,
+            },
+            // Peers keep triangles and pictures too.
+            simplify: false,
+            textures: TextureOptions {
+                format: TextureFormat::Keep,
+                ..TextureOptions::default()
             },
             ..OptimizeOptions::default()
         };
