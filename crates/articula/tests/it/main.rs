@@ -35,6 +35,7 @@ mod keys;
 mod mesh_levels;
 mod mp4;
 mod optimized;
+mod optimized_textures;
 mod played_traces;
 mod prepared;
 mod promised_errors;
