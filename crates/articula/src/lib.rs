@@ -97,6 +97,7 @@ mod mesh_levels;
 mod motion_tables;
 mod old_hashes;
 mod open;
+#[cfg(feature = "flat")]
 pub mod optimize;
 #[cfg(feature = "prepare")]
 mod prepare;

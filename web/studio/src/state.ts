@@ -40,6 +40,9 @@ export interface StudioState {
   lost: number;
   compress: 'ext' | 'khr' | 'none';
   keys: boolean;
+  /** Whether all triangles, and the pictures, stay. */
+  fine: boolean;
+  pictures: boolean;
   attributes: boolean;
   /** Most seconds of frames of a benchmark. */
   seconds: number;
@@ -93,6 +96,8 @@ const USUAL: Readonly<StudioState> = {
   lost: 1,
   compress: 'ext',
   keys: false,
+  fine: false,
+  pictures: false,
   attributes: false,
   seconds: 5,
   character: '',

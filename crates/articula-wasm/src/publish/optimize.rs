@@ -6,7 +6,9 @@ use crate::error::{Fault, Result};
 use crate::long_options::read;
 use crate::opening::open_alone;
 use crate::progress::{ProgressCallback, run};
-use articula::optimize::{Compression, ErrorBound, OptimizeOptions, optimize};
+use articula::optimize::{
+    Compression, ErrorBound, OptimizeOptions, TextureFormat, TextureOptions, optimize,
+};
 use serde::Deserialize;
 use wasm_bindgen::prelude::*;
 
@@ -28,6 +30,8 @@ struct Optimize {
     error_mm: Option<f32>,
     compress: Compress,
     keep_keys: bool,
+    keep_triangles: bool,
+    keep_textures: bool,
     keep_attributes: bool,
 }
 
@@ -54,7 +58,15 @@ impl Optimize {
                 Compress::None => Compression::None,
             },
             reduce_keys: !self.keep_keys,
+            simplify: !self.keep_triangles,
             keep_attributes: self.keep_attributes,
+            textures: TextureOptions {
+                format: match self.keep_textures {
+                    true => TextureFormat::Keep,
+                    false => TextureFormat::default(),
+                },
+                ..TextureOptions::default()
+            },
             ..usual
         })
     }
@@ -63,8 +75,8 @@ impl Optimize {
 #[wasm_bindgen]
 impl Publisher {
     /// Writes a character in fewer bytes, at an error in motion that is measured on what is written. `options` is
-    /// JSON: `{errorPx?: number, errorMm?: number, compress?: string, keepKeys?: boolean, keepAttributes?: boolean}`:
-    /// pixels of a picture of 720 lines that the figure at rest fills (1 if left out) or millimetres; "ext", "khr" or
+    /// JSON: `{errorPx?: number, errorMm?: number, compress?: string, keepKeys?: boolean,
+    /// keepTriangles?: boolean, keepTextures?: boolean, keepAttributes?: boolean}`: pixels of a picture of 720 lines that the figure at rest fills (1 if left out) or millimetres; "ext", "khr" or
     /// "none". The report is that of `articula optimize --json`.
     pub fn optimize(
         bytes: &[u8],

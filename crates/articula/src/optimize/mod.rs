@@ -14,19 +14,16 @@ mod constraints;
 mod fit;
 mod limits;
 mod optimized_clip;
-#[cfg(feature = "flat")]
 mod picture_file;
 mod report;
 mod simplification;
 mod source;
-#[cfg(feature = "flat")]
 mod textures;
 
 pub use articula_formats::gltf::{BytesByKind, Compression};
 pub use fit::{Fit, optimize_to_fit};
 pub use limits::{OptimizeLimits, PlatformLimits};
 pub use report::{ClipOptimized, OptimizeReport};
-#[cfg(feature = "flat")]
 pub use textures::{TextureContents, TextureFormat, TextureOptimized, TextureOptions};
 
 use crate::error::{Context, Error, Result};
@@ -73,7 +70,6 @@ pub struct OptimizeOptions {
     /// may have materials of its own.
     pub keep_attributes: bool,
     /// What is done with textures.
-    #[cfg(feature = "flat")]
     pub textures: TextureOptions,
     /// Seed of the times at which the error is measured, besides key times and their middles.
     pub seed: u64,
@@ -92,7 +88,6 @@ impl Default for OptimizeOptions {
             locked: Vec::new(),
             region_weights: Vec::new(),
             keep_attributes: false,
-            #[cfg(feature = "flat")]
             textures: TextureOptions::default(),
             seed: 1,
         }
@@ -164,17 +159,14 @@ struct Prepared {
     before: BytesByKind,
     bytes_in: usize,
     articulation: Articulation,
-    #[cfg(feature = "flat")]
     textures: Vec<TextureOptimized>,
 }
 
 impl Prepared {
     fn of(opened: &CharacterFile, options: &OptimizeOptions, work: &Executor<'_>) -> Result<Self> {
         let (before, source) = Source::of(opened, options)?;
-        #[cfg(feature = "flat")]
         let (source, textures) = source.with_small_textures(options, work)?;
         Ok(Self {
-            #[cfg(feature = "flat")]
             textures,
             source,
             before,
@@ -226,7 +218,6 @@ impl Prepared {
             made.report.bytes_in = self.bytes_in;
             made.report.bound_mm = 1e3 * bound;
             made.report.before = self.before;
-            #[cfg(feature = "flat")]
             made.report.textures.clone_from(&self.textures);
             made.report.triangles_in = source.triangles();
             made

@@ -3,7 +3,6 @@
 use super::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
-#[cfg(feature = "flat")]
 use super::textures::TextureOptimized;
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;
@@ -55,7 +54,6 @@ pub struct OptimizeReport {
     /// The clips.
     pub clips: Vec<ClipOptimized>,
     /// The pictures.
-    #[cfg(feature = "flat")]
     pub textures: Vec<TextureOptimized>,
     /// Whether the arrays stayed as they were, since an unknown extension may refer to them.
     pub keeps_arrays: bool,
@@ -93,7 +91,6 @@ impl OptimizeReport {
                     error_mm: 1e3 * error,
                 })
                 .collect(),
-            #[cfg(feature = "flat")]
             textures: Vec::new(),
             keeps_arrays: source.keeps_arrays(),
         }

@@ -2,12 +2,10 @@
 
 use super::OptimizeOptions;
 use super::optimized_clip::OptimizedClip;
-#[cfg(feature = "flat")]
 use super::textures::{TextureOptimized, optimize_textures};
 use crate::convert;
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Format, GltfSource, OpenOptions, open};
-#[cfg(feature = "flat")]
 use crate::work::Executor;
 use articula_build::PosedVertices;
 use articula_core::source::Character;
@@ -184,7 +182,6 @@ impl Source {
 
     /// The same with pictures in fewer bytes. A document that keeps its arrays keeps its pictures too, which
     /// lie beside them.
-    #[cfg(feature = "flat")]
     pub(super) fn with_small_textures(
         mut self,
         options: &OptimizeOptions,

@@ -56,6 +56,10 @@ export interface OptimizeOptions extends TaskOptions {
   readonly compress?: 'ext' | 'khr' | 'none' | undefined;
   /** Whether all keys stay. */
   readonly keepKeys?: boolean | undefined;
+  /** Whether all triangles stay. */
+  readonly keepTriangles?: boolean | undefined;
+  /** Whether pictures stay as they are. */
+  readonly keepTextures?: boolean | undefined;
   /** Whether attributes stay that no material uses. */
   readonly keepAttributes?: boolean | undefined;
 }

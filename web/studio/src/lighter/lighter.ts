@@ -41,6 +41,8 @@ export class LighterPage {
     const lost = slider({ label: 'Error in motion', min: 0.25, max: 8, step: 0.25, value: state.lost, shown: (px) => `${px} px`, hint: 'Of any vertex at any time, where the figure fills a picture of 720 lines.', onInput: (px) => set({ lost: px }) });
     const compress = choice('Arrays', [['ext', 'EXT_meshopt_compression'], ['khr', 'KHR_meshopt_compression'], ['none', 'not compressed']], state.compress, (word) => set({ compress: word as StudioState['compress'] }));
     const keys = toggle('Keep all keys', state.keys, (on) => set({ keys: on }));
+    const fine = toggle('Keep all triangles', state.fine, (on) => set({ fine: on }));
+    const pictures = toggle('Keep pictures', state.pictures, (on) => set({ pictures: on }));
     const attributes = toggle('Keep attributes that no material uses', state.attributes, (on) => set({ attributes: on }));
     const make = button('Make it lighter', () => void this.make(), 'primary');
     this.#download = button('Download', () => this.#save());
@@ -50,8 +52,8 @@ export class LighterPage {
     });
     this.main = h('div', { class: 'stage crowd' }, h('div', { class: 'picture-frame' }, this.#labels));
     this.panel = h('div', { class: 'panel-body' },
-      section('Lighter', true, lost.element, compress.element, keys.element, attributes.element, h('div', { class: 'buttons' }, make, this.#download), this.#task.element),
-      section('Bytes and errors', true, this.#clip.element, this.#readout.element, this.#tables, h('p', { class: 'hint' }, 'The error is measured on the file that was written: it is read again, and every vertex is compared at all key times, their middles, and random times. The command articula optimize does the same.')));
+      section('Lighter', true, lost.element, compress.element, keys.element, fine.element, pictures.element, attributes.element, h('div', { class: 'buttons' }, make, this.#download), this.#task.element),
+      section('Bytes and errors', true, this.#clip.element, this.#readout.element, this.#tables, h('p', { class: 'hint' }, 'The error is measured on the file that was written: it is read again, and every vertex that is left is compared at all key times, their middles and random times, and the surfaces where triangles are gone. The command articula optimize does the same.')));
     studio.addEventListener('character', () => this.#renew());
   }
 
@@ -74,7 +76,7 @@ export class LighterPage {
     const { source, state, articula } = this.#studio;
     try {
       const made = await this.#task.run(`Making ${source.name} lighter`, (watch) =>
-        articula.tools.optimize(source.bytes, source.name, { errorPx: state.lost, compress: state.compress, keepKeys: state.keys, keepAttributes: state.attributes, ...watch }),
+        articula.tools.optimize(source.bytes, source.name, { errorPx: state.lost, compress: state.compress, keepKeys: state.keys, keepTriangles: state.fine, keepTextures: state.pictures, keepAttributes: state.attributes, ...watch }),
       );
       const asset = await ArticulaAsset.of(articula, articula.open(made.bytes, 'lighter.glb'));
       if (!this.#isShown || source !== this.#studio.source) {
@@ -100,6 +102,7 @@ export class LighterPage {
   #tell(report: OptimizeReport): void {
     const share = report.bytes_out / Math.max(this.#studio.source.bytes.length, 1);
     this.#readout.set('After', `${inBytes(report.bytes_out)}, ${(100 * share).toFixed(0)} %`);
+    this.#readout.set('Triangles', `${report.triangles_out.toLocaleString('en')} of ${report.triangles_in.toLocaleString('en')}`);
     this.#readout.set('Error measured', `${report.error_mm.toFixed(2)} of ${report.bound_mm.toFixed(2)} mm`);
     this.#tables.replaceChildren(partsTable(report), ...(report.clips.length > 0 ? [clipsTable(report)] : []));
     this.#download.disabled = false;
@@ -129,6 +132,7 @@ export class LighterPage {
     this.#download.disabled = true;
     this.#readout.set('Before', inBytes(this.#studio.source.bytes.length));
     this.#readout.set('After', undefined);
+    this.#readout.set('Triangles', undefined);
     this.#readout.set('Error measured', undefined);
     this.#tables.replaceChildren();
     const { asset } = this.#studio.character;

@@ -15,6 +15,8 @@ export interface OptimizeReport {
   readonly bytes_out: number;
   readonly before: Parts;
   readonly after: Parts;
+  readonly triangles_in: number;
+  readonly triangles_out: number;
   readonly bound_mm: number;
   readonly error_mm: number;
   readonly clips: readonly {
