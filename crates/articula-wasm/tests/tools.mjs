@@ -39,18 +39,6 @@ test("a file is described", () => {
   assert.ok(found.skeletons[0].joints > 20);
 });
 
-test("an evaluation tells what joints save and show", () => {
-  const found = JSON.parse(Tools.evaluate(bytes, "knight.glb", '{"loa": "loa(Low)", "distances": [4]}'));
-  assert.equal(found.rows.length, 1);
-  const [{ level, joint_update_gain: gain, error_px: error }] = found.rows;
-  assert.ok(level === "loa(Low)" && gain > 0.3 && gain < 1 && error.p95 > 0 && error.max >= error.p95, JSON.stringify(found));
-  const refused = { name: "ArticulaError", code: "argument" };
-  assert.throws(() => Tools.evaluate(bytes, "knight.glb", '{"method": "magic"}'), { ...refused, message: /magic/ });
-  assert.throws(() => Tools.evaluate(bytes, "knight.glb", '{"loa": "loa(Low) +"}'), refused);
-  assert.throws(() => Tools.evaluate(bytes, "knight.glb", '{"distances": [0]}'), refused);
-  assert.throws(() => Tools.addFaceClip(bytes, "knight.glb", new Uint8Array(), "face.txt"), refused);
-});
-
 test("options that are unknown and formats that are not written are refused", () => {
   const refused = { name: "ArticulaError", code: "argument" };
   assert.throws(() => Tools.prepare(bytes, "knight.glb", '{"levels": 3}'), refused);

@@ -87,6 +87,12 @@ impl Quality {
         }
     }
 
+    /// The last of the quality steps of a profile, with the fewest bytes; what is usual where it has none.
+    pub fn coarsest(profile: Profile) -> Self {
+        let last = Self::steps(profile).pop();
+        last.unwrap_or_else(|| Self::of(profile))
+    }
+
     /// Quality steps that a byte budget is searched on (`docs/methods/vector.md` 9). Within one
     /// kind of filling, each step is coarser than the one before; empty for profiles without
     /// settings.

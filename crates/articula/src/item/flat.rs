@@ -8,7 +8,7 @@ use super::manifest::FlatEntry;
 use super::name::Names;
 use super::options::PackageOptions;
 use super::sent::FileEntry;
-use crate::error::{Context, Error, Result};
+use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::flatten::{FramedCharacter, Shot, TriangleCount, prepared};
 use crate::work::Executor;
@@ -139,19 +139,26 @@ impl<'a> Maker<'a> {
 
     fn moving(&self, framed: &FramedCharacter<'a>) -> Result<Form> {
         let frames = framed.frame_times_secs.len();
-        let first = match frames > FRAMES {
-            // Bytes are about in proportion to triangles and frames.
-            true => framed.with_triangles((TRIANGLES * FRAMES / frames).max(FEWEST))?,
-            false => framed.clone(),
+        let mut made = match frames > FRAMES {
+            true => self.least(framed.with_triangles(FEWEST)?)?,
+            false => self.within(framed.clone(), Profile::Smil, MOST_MOVING)?,
         };
-        let mut made = self.within(first, Profile::Smil, MOST_MOVING)?;
+        if frames > FRAMES && made.sent <= MOST_MOVING {
+            // Bytes are about in proportion to triangles and frames.
+            let first = framed.with_triangles((TRIANGLES * FRAMES / frames).max(FEWEST))?;
+            made = self.within(first, Profile::Smil, MOST_MOVING)?;
+        }
         for _ in 0..FRAME_ATTEMPTS {
             if made.sent <= MOST_MOVING {
                 break;
             }
             let share = AIM * MOST_MOVING as f64 / made.sent as f64;
             let fps = made.framed.options.fps * share.powf(BYTES_TO_FRAMES) as f32;
-            made = self.within(made.framed.with_rate(fps)?, Profile::Smil, MOST_MOVING)?;
+            let slower = made.framed.with_rate(fps)?;
+            made = self.least(match slower.count() {
+                Some(FEWEST) => slower,
+                _ => slower.with_triangles(FEWEST)?,
+            })?;
         }
         let clip = self.of_clip().map(|clip| clip.name.clone());
         let between = between_px(&made.framed)?;
@@ -172,6 +179,34 @@ impl<'a> Maker<'a> {
         self.clip.map(|clip| &self.figure.asset.clips[clip])
     }
 
+    /// An animated form of the fewest bytes that these triangles and frames have.
+    fn least(&self, framed: FramedCharacter<'a>) -> Result<Made<'a>> {
+        let clip = prepared(&framed, &PrepareClipOptions::default(), self.work)?;
+        let settings = Settings {
+            quality: Quality::coarsest(Profile::Smil),
+            ..self.settings(Profile::Smil)
+        };
+        let (form, sent) = self.flat(&clip, &settings)?;
+        Ok(Made { form, sent, framed })
+    }
+
+    fn settings(&self, profile: Profile) -> Settings {
+        Settings {
+            profile,
+            quality: Quality::of(profile),
+            name: self.of_clip().map_or("still", |clip| &clip.name).to_owned(),
+            max_bytes: None,
+        }
+    }
+
+    /// A form, and its bytes as sent.
+    fn flat(&self, clip: &PreparedClip, settings: &Settings) -> Result<(Unmeasured, u64)> {
+        let made = flatten_unmeasured(clip, settings);
+        let made = made.with_context(|| self.figure.opened.name())?;
+        let sent = FileEntry::of("form.svg", &made.bytes).sent_bytes();
+        Ok((made, sent))
+    }
+
     /// A form whose bytes as sent are at most these, or the smallest that was found: with fewer
     /// triangles and coarser tolerances from attempt to attempt.
     fn within(
@@ -180,23 +215,12 @@ impl<'a> Maker<'a> {
         profile: Profile,
         most: u64,
     ) -> Result<Made<'a>> {
-        let mut settings = Settings {
-            profile,
-            quality: Quality::of(profile),
-            name: self.of_clip().map_or("still", |clip| &clip.name).to_owned(),
-            max_bytes: None,
-        };
+        let mut settings = self.settings(profile);
         let ready = |framed: &FramedCharacter<'a>| {
             prepared(framed, &PrepareClipOptions::default(), self.work)
         };
-        let flat = |ready: &PreparedClip, settings: &Settings| {
-            let made = flatten_unmeasured(ready, settings);
-            let made = made.with_context(|| self.figure.opened.name())?;
-            let sent = FileEntry::of("form.svg", &made.bytes).sent_bytes();
-            Ok::<_, Error>((made, sent))
-        };
         let mut clip = ready(&framed)?;
-        let (mut best, mut sent) = flat(&clip, &settings)?;
+        let (mut best, mut sent) = self.flat(&clip, &settings)?;
         let mut of_best = framed.clone();
         let (mut raw, mut drawn) = (best.bytes.len(), best.triangles_drawn);
         // Coarser tolerances save about a half at first, fewer triangles the rest.
@@ -222,7 +246,7 @@ impl<'a> Maker<'a> {
                 break;
             }
             framed = fewer;
-            let (made, of_made) = flat(&clip, &settings)?;
+            let (made, of_made) = self.flat(&clip, &settings)?;
             (raw, drawn) = (made.bytes.len(), made.triangles_drawn);
             is_coarsest = raw as u64 > allowed;
             if of_made < sent {

@@ -112,6 +112,10 @@ const ROUNDS_OF_MESHES: usize = 4;
 const ROUNDS_OF_CLIPS: usize = 5;
 const LEAST_SHARE: f32 = 1e-3;
 
+/// Share of the bound that is asked for at the times that are measured: between them a vertex may be a little
+/// farther off, by 1.3 % at most in `docs/results/optimize.md` before there was a share.
+const MEASURED: f32 = 0.985;
+
 /// Writes a character in fewer bytes.
 ///
 /// Triangles are removed where the surface is not missed, keys that are not missed are left out, values are
@@ -274,8 +278,13 @@ fn within(
         mesh = source.with_rounded_mesh(&precision)?;
     }
     let mut clips: Vec<Option<OptimizedClip>> = vec![None; source.character.clips.len()];
-    let mut allowed = vec![bound; clips.len()];
+    let mut allowed = vec![MEASURED * bound; clips.len()];
     for round in 0..ROUNDS {
+        let in_motion = if round + 1 < ROUNDS {
+            MEASURED * bound
+        } else {
+            bound
+        };
         let open: Vec<usize> = (0..clips.len()).filter(|c| clips[*c].is_none()).collect();
         let subject = Subject::new(source, &mesh)?;
         let made = work.map("reducing keys", open, |c| {
@@ -293,7 +302,7 @@ fn within(
         let glb = source.written(&written, &precision, options)?;
         let shown = Source::read(&glb)?;
         let errors = Errors::measured(source, &shown, options, work)?;
-        if errors.greatest() <= bound {
+        if errors.rest <= bound && errors.clips.iter().all(|clip| *clip <= in_motion) {
             let report = OptimizeReport::new(source, &written, &errors, &glb);
             return Ok(Optimized { glb, report });
         }
@@ -302,8 +311,8 @@ fn within(
             mesh = source.with_rounded_mesh(&precision)?;
         }
         for (c, error) in errors.clips.iter().enumerate() {
-            if *error > bound {
-                allowed[c] *= 0.95 * bound / error;
+            if *error > in_motion {
+                allowed[c] *= 0.95 * in_motion / error;
                 clips[c] = None;
             }
         }
