@@ -50,7 +50,7 @@ const STREAM: Module = Module {
 const PUBLISH: Module = Module {
     name: "publish",
     contents: "2D output, packaging, lighter files, motions of faces, evaluation, benchmark",
-    limit: 1_750_000,
+    limit: 2_100_000,
 };
 
 const MODULES: [&Module; 4] = [&PLAY, &TOOLS, &STREAM, &PUBLISH];
