@@ -179,6 +179,12 @@ export function chosenClip(studio: Studio): number {
   return Math.max(studio.character.asset.clips.indexOf(studio.state.clip), 0);
 }
 
+/** A time within the clip that the state names, which plays again and again. */
+export function loopedSecs(studio: Studio, secs: number): number {
+  const length = studio.character.asset.clipSecs[chosenClip(studio)] ?? 1;
+  return secs % Math.max(length, 1e-3);
+}
+
 async function opened(articula: Articula, bytes: Uint8Array, name: string): Promise<Character> {
   return { asset: await ArticulaAsset.of(articula, articula.open(bytes, name)), bytes, name };
 }

@@ -113,7 +113,7 @@ const ROUNDS_OF_CLIPS: usize = 5;
 const LEAST_SHARE: f32 = 1e-3;
 
 /// Share of the bound that is asked for at the times that are measured: between them a vertex may be a little
-/// farther off, by 1.3 % at most in `docs/results/optimize.md` before there was a share.
+/// farther off, as the judge of `docs/results/optimize.md` measures.
 const MEASURED: f32 = 0.985;
 
 /// Writes a character in fewer bytes.

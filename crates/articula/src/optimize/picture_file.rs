@@ -91,7 +91,7 @@ mod tests {
         }
         assert_eq!(encoded(&clear, PictureFormat::Jpeg, Some(90)), Ok(None));
         assert_eq!(PictureFormat::of(b"GIF89a"), None);
-        let mut endless = b"RIFF\0\0\0\0WEBPXXXX".to_vec();
+        let mut endless = b"RIFF\0\0\0\0WEBPEXIF".to_vec();
         endless.extend([0xff; 8]);
         assert!(!PictureFormat::is_lossy(&endless));
     }

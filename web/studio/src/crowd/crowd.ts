@@ -65,9 +65,7 @@ export class CrowdPage {
   }
 
   mount(): void {
-    (this.main.firstElementChild as HTMLElement).prepend(this.#viewport.element);
-    this.#viewport.measure();
-    this.#viewport.onFrame = (dt) => this.#frame(dt);
+    this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
     void this.#renew();
   }
 
@@ -76,7 +74,7 @@ export class CrowdPage {
   }
 
   get #isShown(): boolean {
-    return this.#viewport.element.closest('.stage') === this.main;
+    return this.#viewport.isIn(this.main);
   }
 
   /** Makes the crowd anew; a file without tables is prepared first. */

@@ -1,5 +1,5 @@
 import { StageColumn } from '../stage/column.js';
-import { chosenClip, type Studio } from '../studio.js';
+import { chosenClip, loopedSecs, type Studio } from '../studio.js';
 import { button, section, slider } from '../ui/controls.js';
 import { h } from '../ui/dom.js';
 import { TaskLine } from '../ui/status.js';
@@ -64,9 +64,7 @@ export class DevicesPage {
   }
 
   mount(): void {
-    (this.main.firstElementChild as HTMLElement).prepend(this.#viewport.element);
-    this.#viewport.measure();
-    this.#viewport.onFrame = (dt) => this.#frame(dt);
+    this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
     this.#renew();
   }
 
@@ -121,7 +119,7 @@ export class DevicesPage {
   }
 
   #renew(): void {
-    if (this.#viewport.element.closest('.stage') !== this.main) {
+    if (!this.#viewport.isIn(this.main)) {
       return;
     }
     this.#column?.dispose();
@@ -138,8 +136,7 @@ export class DevicesPage {
   }
 
   #frame(dtSecs: number): void {
-    const secs = this.#studio.character.asset.clipSecs[chosenClip(this.#studio)] ?? 1;
-    this.#secs = (this.#secs + dtSecs) % Math.max(secs, 1e-3);
+    this.#secs = loopedSecs(this.#studio, this.#secs + dtSecs);
     this.#column?.update(performance.now() / 1000, this.#secs, this.#viewport);
   }
 }

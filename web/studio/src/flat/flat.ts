@@ -1,5 +1,5 @@
 import type { StudioState } from '../state.js';
-import { chosenClip, type Studio } from '../studio.js';
+import { chosenClip, loopedSecs, type Studio } from '../studio.js';
 import { StageColumn } from '../stage/column.js';
 import { button, choice, section, segmented, slider } from '../ui/controls.js';
 import { download, h, inBytes } from '../ui/dom.js';
@@ -71,9 +71,7 @@ export class FlatPage {
   }
 
   mount(): void {
-    (this.main.firstElementChild as HTMLElement).prepend(this.#viewport.element);
-    this.#viewport.measure();
-    this.#viewport.onFrame = (dt) => this.#frame(dt);
+    this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
     this.#renew();
   }
 
@@ -137,7 +135,7 @@ export class FlatPage {
   }
 
   #renew(): void {
-    if (this.#viewport.element.closest('.stage') !== this.main) {
+    if (!this.#viewport.isIn(this.main)) {
       return;
     }
     this.unmount();
@@ -170,8 +168,7 @@ export class FlatPage {
   }
 
   #frame(dtSecs: number): void {
-    const secs = this.#studio.character.asset.clipSecs[chosenClip(this.#studio)] ?? 1;
-    this.#secs = (this.#secs + dtSecs) % Math.max(secs, 1e-3);
+    this.#secs = loopedSecs(this.#studio, this.#secs + dtSecs);
     this.#column?.update(performance.now() / 1000, this.#secs, this.#viewport);
   }
 }

@@ -2,7 +2,7 @@ import { ArticulaAsset } from '@articula/three';
 
 import { StageColumn } from '../stage/column.js';
 import type { StudioState } from '../state.js';
-import { chosenClip, type SourceFile, type Studio } from '../studio.js';
+import { chosenClip, loopedSecs, type SourceFile, type Studio } from '../studio.js';
 import { button, choice, section, slider, toggle } from '../ui/controls.js';
 import { download, h, inBytes } from '../ui/dom.js';
 import { Readout, TaskLine } from '../ui/status.js';
@@ -58,9 +58,7 @@ export class LighterPage {
   }
 
   mount(): void {
-    (this.main.firstElementChild as HTMLElement).prepend(this.#viewport.element);
-    this.#viewport.measure();
-    this.#viewport.onFrame = (dt) => this.#frame(dt);
+    this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
     this.#renew();
   }
 
@@ -96,7 +94,7 @@ export class LighterPage {
   }
 
   get #isShown(): boolean {
-    return this.#viewport.element.closest('.stage') === this.main;
+    return this.#viewport.isIn(this.main);
   }
 
   #tell(report: OptimizeReport): void {
@@ -177,8 +175,7 @@ export class LighterPage {
   }
 
   #frame(dtSecs: number): void {
-    const secs = this.#studio.character.asset.clipSecs[chosenClip(this.#studio)] ?? 1;
-    this.#secs = (this.#secs + dtSecs) % Math.max(secs, 1e-3);
+    this.#secs = loopedSecs(this.#studio, this.#secs + dtSecs);
     const now = performance.now() / 1000;
     this.columns.forEach((column) => column.update(now, this.#secs, this.#viewport));
   }

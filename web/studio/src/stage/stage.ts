@@ -60,9 +60,7 @@ export class StagePage {
   }
 
   mount(): void {
-    (this.main.firstElementChild as HTMLElement).prepend(this.#viewport.element);
-    this.#viewport.measure();
-    this.#viewport.onFrame = (dt) => this.#frame(dt);
+    this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
     this.#renew();
   }
 
@@ -105,7 +103,7 @@ export class StagePage {
 
   /** Makes all anew for another character. */
   #renew(): void {
-    if (!this.#viewport.element.isConnected || this.#viewport.element.closest('.stage') !== this.main) {
+    if (!this.#viewport.element.isConnected || !this.#viewport.isIn(this.main)) {
       return;
     }
     this.#clear();

@@ -86,10 +86,8 @@ export class StreamPage {
   }
 
   mount(): void {
-    (this.main.firstElementChild as HTMLElement).prepend(this.#viewport.element);
     this.#viewport.columns = [];
-    this.#viewport.measure();
-    this.#viewport.onFrame = (dt) => this.#frame(dt);
+    this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
     this.#timers = [window.setInterval(() => this.#plot(), PLOT_MS), window.setInterval(() => void this.#list(), SESSIONS_MS)];
     void this.#find();
   }

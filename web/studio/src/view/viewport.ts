@@ -85,6 +85,18 @@ export class Viewport {
     this.run(true);
   }
 
+  /** Shows itself in the frame of a page, its first element, and tells it of each picture. */
+  showIn(page: HTMLElement, onFrame: (dtSecs: number) => void): void {
+    (page.firstElementChild as HTMLElement).prepend(this.element);
+    this.measure();
+    this.onFrame = onFrame;
+  }
+
+  /** Whether it is shown in a page. */
+  isIn(page: HTMLElement): boolean {
+    return this.element.closest('.stage') === page;
+  }
+
   /** How the columns lie: in two rows where one would make them too narrow. */
   get grid(): { across: number; rows: number } {
     const count = Math.max(this.columns.length, 1);
