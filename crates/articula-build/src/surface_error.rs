@@ -4,8 +4,8 @@ use crate::surface_distance::TwoSurfaces;
 use crate::vertex_error::PosedVertices;
 use crate::watched_poses::moments;
 use articula_core::{Mesh, Mismatch};
+use foldhash::HashSet;
 use glam::Vec3;
-use std::collections::HashSet;
 
 /// Triangles of two meshes that the other has not, by part and positions of their corners.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

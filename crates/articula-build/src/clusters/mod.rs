@@ -18,8 +18,8 @@ mod vertex_cache;
 pub use order::ClusterOrder;
 
 use articula_core::{Cluster, Clusters, Mismatch};
+use foldhash::{HashMap, HashMapExt};
 use std::cmp::Reverse;
-use std::collections::HashMap;
 
 /// All levels of an object as one vertex list and one triangle list that the levels share.
 #[derive(Debug, Clone, PartialEq)]

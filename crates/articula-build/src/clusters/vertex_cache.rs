@@ -6,7 +6,7 @@
 //! clustered for overdraw, and dead ends go back to the latest vertex with triangles left, then to
 //! the lowest.
 
-use std::collections::HashMap;
+use foldhash::{HashMap, HashMapExt};
 
 /// Assumed number of vertices in the cache; smaller caches benefit too.
 const CACHE: u32 = 16;

@@ -99,9 +99,13 @@ impl Mean {
     }
 }
 
+/// Greatest change of an element by a further squaring, relative to the greatest element, at which only rounding is left.
+const CONVERGED: f64 = 1e-14;
+
 /// Returns the eigenvector of the largest eigenvalue, by repeated squaring of the matrix.
 pub(crate) fn principal(outer: DMat4, fallback: Quat) -> Quat {
     let mut m = outer;
+    let mut last = DMat4::ZERO;
     for _ in 0..48 {
         let size = m
             .to_cols_array()
@@ -111,6 +115,10 @@ pub(crate) fn principal(outer: DMat4, fallback: Quat) -> Quat {
             return fallback;
         }
         m *= 1.0 / size;
+        if m.abs_diff_eq(last, CONVERGED) {
+            break;
+        }
+        last = m;
         m *= m;
     }
     let columns = [m.x_axis, m.y_axis, m.z_axis, m.w_axis];

@@ -8,8 +8,8 @@
 //! part 5.
 
 use articula_core::{Mesh, Morph};
+use foldhash::{HashMap, HashMapExt};
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// Maximum distance between members of a class in any pose, relative to the extent.
 const TOGETHER: f32 = 1e-5;

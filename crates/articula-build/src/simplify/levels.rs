@@ -5,7 +5,7 @@ use super::classes::Classes;
 use super::topology::Surface;
 use crate::clusters::rotated;
 use articula_core::Mesh;
-use std::collections::HashSet;
+use foldhash::{HashSet, HashSetExt};
 use std::ops::Range;
 
 /// The triangles that simplification starts from.

@@ -6,8 +6,8 @@ use super::points::Points;
 use super::search::Search;
 use crate::clusters::rotated;
 use articula_core::Mismatch;
+use foldhash::HashSet;
 use glam::Vec3;
-use std::collections::HashSet;
 
 /// Two surfaces over one array of vertices, of which only some triangles differ.
 pub(crate) struct TwoSurfaces {

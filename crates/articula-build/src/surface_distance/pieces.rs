@@ -3,7 +3,8 @@
 //! A level with one region finer than the others shares most of its triangles with other such levels,
 //! and what is known about a piece serves all levels that have it.
 
-use std::collections::{BTreeMap, HashMap};
+use foldhash::{HashMap, HashMapExt};
+use std::collections::BTreeMap;
 
 /// Levels of a surface, divided into pieces.
 #[derive(Debug, Clone, PartialEq)]

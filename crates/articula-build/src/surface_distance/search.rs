@@ -3,8 +3,8 @@
 use super::pieces::Pieces;
 use super::points::Points;
 use super::tree::{NO_TRIANGLE, SurfaceTree};
+use foldhash::{HashMap, HashMapExt};
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// Levels, and the points measured against them.
 #[derive(Clone)]

@@ -8,7 +8,7 @@ use super::primitive::sharing;
 use super::reader::{Notes, Reader};
 use crate::error::ReadError;
 use crate::limits::Limits;
-use std::collections::HashMap;
+use foldhash::{HashMap, HashMapExt};
 use std::hash::Hash;
 
 /// Origin of a part of a mesh in the document.
@@ -114,26 +114,31 @@ pub(super) fn split_by_bytes(
 ) -> Result<(), ReadError> {
     let accessor = reader.accessor(index)?;
     let overlay = accessor.overlay()?;
-    let mut keys = Vec::with_capacity(vertices.len());
-    for raw in vertices {
-        let raw = *raw as usize;
-        if raw >= accessor.count {
-            return Err(index.malformed("fewer elements than vertices"));
-        }
+    if vertices.iter().any(|raw| *raw as usize >= accessor.count) {
+        return Err(index.malformed("fewer elements than vertices"));
+    }
+    split(classes, |v| {
+        let raw = vertices[v] as usize;
         let bytes = overlay.get(&raw).copied().or_else(|| accessor.stored(raw));
         // Stored zeros equal implicit zeros.
-        keys.push(bytes.filter(|b| b.iter().any(|byte| *byte != 0)));
-    }
-    split(classes, keys);
+        bytes.filter(|b| b.iter().any(|byte| *byte != 0))
+    });
     Ok(())
 }
 
-/// Splits classes of vertices by keys, one for each: those of a class with equal keys become the class of the
-/// first of them.
-pub(super) fn split<K: Hash + Eq>(classes: &mut [u32], keys: impl IntoIterator<Item = K>) {
+/// Splits classes of vertices by a key of each: those of a class with equal keys become the class of the first of
+/// them.
+pub(super) fn split<K: Hash + Eq>(classes: &mut [u32], key: impl Fn(usize) -> K) {
+    let mut members = vec![0u32; classes.len()];
+    for class in classes.iter() {
+        members[*class as usize] += 1;
+    }
     let mut first = HashMap::new();
-    for ((v, class), key) in (0u32..).zip(classes).zip(keys) {
-        *class = *first.entry((*class, key)).or_insert(v);
+    for (v, class) in classes.iter_mut().enumerate() {
+        // Most vertices are alone after the first arrays, and stay so.
+        if members[*class as usize] > 1 {
+            *class = *first.entry((*class, key(v))).or_insert(v as u32);
+        }
     }
 }
 

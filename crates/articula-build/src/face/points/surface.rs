@@ -1,7 +1,7 @@
 //! The surface on which the points of a face are sought, and its connected parts.
 
+use foldhash::{HashMap, HashMapExt};
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// The mesh of a head in its rest pose, in the frame of the head: +X to the subject's left, +Y up,
 /// +Z out of the face. Lengths in metres.

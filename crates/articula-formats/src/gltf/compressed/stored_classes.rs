@@ -38,7 +38,8 @@ pub(in crate::gltf) fn stored_classes<'a>(
                 if elements.count < count {
                     return Err(index.malformed("fewer elements than vertices"));
                 }
-                split(&mut classes, elements.bytes.chunks_exact(elements.stride));
+                let stride = elements.stride;
+                split(&mut classes, |v| &elements.bytes[v * stride..][..stride]);
             }
             None => split_by_bytes(reader, &index, &vertices, &mut classes)?,
         }

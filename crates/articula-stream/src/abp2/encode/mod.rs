@@ -237,6 +237,7 @@ fn encode_with(
         some: Near::of(points),
         some_shown: OnceCell::new(),
         all_shown: OnceCell::new(),
+        palettes: OnceCell::new(),
         states_errors: options.errors,
         worst_frame: Cell::new(0),
     };

@@ -7,10 +7,15 @@
 //! points within *r* of *c*, where *A_b* and *B_b* are the linear parts.
 //!
 //! Morph targets move *p* by *d* in the true and by *e* in the coded pose before that. With *M_b* (*p* + *d*) − *N_b* (*p* + *e*)
-//! = (*M_b* − *N_b*) (*p* + *e*) + *A_b* (*d* − *e*), the bound holds with *r* greater by |*e*|, and ‖*A_b*‖ |*d* − *e*| added.
+//! = (*M_b* − *N_b*) (*p* + *e*) + *A_b* (*d* − *e*), the bound holds with ‖*A_b*‖ |*d* − *e*| added, *c* moved by the mean
+//! of *e* over the points and *r* greater by the farthest that *e* is from it. Of each target the mean of the offsets is known, and the
+//! greatest distance of an offset from it: near points are moved alike, so both are close bounds of *e* and *d* − *e*.
 
-use super::skin_points::{Posed, SkinPoints};
+mod lanes;
+
+use super::skin_points::SkinPoints;
 use glam::{Affine3A, Vec3, Vec3A};
+use lanes::PointLanes;
 use std::collections::BTreeMap;
 
 /// Most points of a block, and of a group of blocks.
@@ -29,7 +34,7 @@ pub(super) struct NearPoints {
 #[derive(Debug)]
 struct Group {
     whole: Block,
-    blocks: Vec<Block>,
+    blocks: Vec<(Block, PointLanes)>,
 }
 
 #[derive(Debug)]
@@ -44,16 +49,29 @@ struct Block {
     bindings: Vec<u16>,
     /// The greatest sum of the weights of a point.
     weight: f32,
-    /// The morph targets that move some of them, with the greatest offset.
-    offsets: Vec<(u16, f32)>,
+    /// The morph targets that move some of them.
+    offsets: Vec<Offsets>,
 }
 
-/// How far morph targets move the points of a block at most.
+/// The offsets of some points by a morph target.
+#[derive(Debug, Clone, Copy)]
+struct Offsets {
+    slot: u16,
+    mean: Vec3A,
+    /// Greatest distance of an offset from the mean.
+    spread: f32,
+    /// Length of the longest.
+    greatest: f32,
+}
+
+/// How morph targets move the points of a block.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moved {
-    /// In the coded pose.
-    reach: f32,
-    /// From the coded to the true pose.
+    /// The mean in the coded pose.
+    mean: Vec3A,
+    /// How far it is from that at most.
+    spread: f32,
+    /// From the coded to the true pose at most.
     apart: f32,
     /// What the rounding of sums of offsets is a part of.
     rounded: f32,
@@ -114,12 +132,10 @@ impl NearPoints {
     pub(super) fn of(points: &SkinPoints) -> Self {
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         let groups = parts(points, &mut order, POINTS_OF_GROUP).into_iter();
+        let block = |of: &mut [u32]| (Block::of(points, of), PointLanes::of(points, of));
         let group = |of: &mut [u32]| Group {
             whole: Block::of(points, of),
-            blocks: parts(points, of, POINTS)
-                .into_iter()
-                .map(|of| Block::of(points, of))
-                .collect(),
+            blocks: parts(points, of, POINTS).into_iter().map(block).collect(),
         };
         Self {
             groups: groups.map(group).collect(),
@@ -127,15 +143,15 @@ impl NearPoints {
     }
 
     /// The first of the points that are farthest from their places in a pose, if that is more than
-    /// `limit`. Both poses have their matrices.
+    /// `limit`. Both poses are the matrices of the bindings and the weights of the morph targets.
     pub(super) fn farthest(
         &self,
         points: &SkinPoints,
-        right: (&Posed, &[f32]),
-        found: (&Posed, &[f32]),
+        right: (&[Affine3A], &[f32]),
+        found: (&[Affine3A], &[f32]),
         limit: f64,
     ) -> Option<usize> {
-        let pairs = right.0.palette.iter().zip(&found.0.palette);
+        let pairs = right.0.iter().zip(found.0);
         let apart: Vec<Apart> = pairs.map(|(a, b)| Apart::of(a, b)).collect();
         let mut search = Search {
             points,
@@ -150,8 +166,8 @@ impl NearPoints {
             if search.is_out(&group.whole) {
                 continue;
             }
-            for block in &group.blocks {
-                search.look(block);
+            for (block, lanes) in &group.blocks {
+                search.look(block, lanes);
             }
         }
         search.farthest
@@ -161,8 +177,8 @@ impl NearPoints {
 /// A search for the farthest point of a pose.
 struct Search<'a> {
     points: &'a SkinPoints,
-    right: (&'a Posed, &'a [f32]),
-    found: (&'a Posed, &'a [f32]),
+    right: (&'a [Affine3A], &'a [f32]),
+    found: (&'a [Affine3A], &'a [f32]),
     /// How far each binding is apart, and the greatest sizes of all.
     apart: &'a [Apart],
     sizes: Sizes,
@@ -192,7 +208,7 @@ impl Search<'_> {
             || self.is_too_near(bound + block.rounding(self.apart, moved))
     }
 
-    fn look(&mut self, block: &Block) {
+    fn look(&mut self, block: &Block, lanes: &PointLanes) {
         if self.is_out(block) {
             return;
         }
@@ -200,13 +216,14 @@ impl Search<'_> {
         let rounding = block.rounding(self.apart, block.moved(weights));
         let apart = block.apart(self.apart);
         let stretch = block.weight * greatest(apart.map(|apart| apart.stretch));
-        for point in block.points.iter().map(|point| *point as usize) {
-            let bound = way(self.points, point, self.apart, self.weights(), stretch);
+        let bounds = lanes.ways(self.apart, weights, stretch);
+        for (point, bound) in block.points.iter().zip(bounds) {
             if self.is_too_near(bound + rounding) {
                 continue;
             }
+            let point = *point as usize;
             let [right, found] = [self.right, self.found]
-                .map(|(posed, weights)| self.points.skinned(point, weights, &posed.palette));
+                .map(|(palette, weights)| self.points.skinned(point, weights, palette));
             let distance = f64::from(right.distance(found));
             let is_first = self.farthest.is_some_and(|farthest| point < farthest);
             if distance > self.most || distance == self.most && is_first {
@@ -263,7 +280,7 @@ impl Block {
             reach: centre.length() + radius,
             bindings,
             weight: all().map(weight).fold(0.0, f32::max),
-            offsets: greatest_offsets(points, all()),
+            offsets: offsets(points, of),
             points: of.to_vec(),
         }
     }
@@ -274,24 +291,31 @@ impl Block {
         bindings.map(|binding| &apart[usize::from(*binding)])
     }
 
-    /// How far morph targets move its points, by the weights of the true and the coded pose.
+    /// How morph targets move its points, by the weights of the true and the coded pose.
     fn moved(&self, (right, found): (&[f32], &[f32])) -> Moved {
         let mut moved = Moved::default();
-        for (slot, offset) in &self.offsets {
-            let (right, found) = (right[usize::from(*slot)], found[usize::from(*slot)]);
-            moved.reach += found.abs() * offset;
-            moved.apart += (right - found).abs() * offset;
-            moved.rounded += (right.abs() + found.abs()) * offset;
+        let (mut apart, mut spread) = (Vec3A::ZERO, 0.0);
+        for of in &self.offsets {
+            let slot = usize::from(of.slot);
+            let (right, found) = (right[slot], found[slot]);
+            moved.mean += of.mean * found;
+            moved.spread += found.abs() * of.spread;
+            apart += of.mean * (right - found);
+            spread += (right - found).abs() * of.spread;
+            moved.rounded += (right.abs() + found.abs()) * of.greatest;
         }
+        moved.apart = apart.length() + spread;
         moved.rounded *= self.offsets.len() as f32;
         moved
     }
 
     /// A bound of the distance of its points from their places, but for rounding.
     fn bound(&self, apart: &[Apart], moved: Moved) -> f32 {
+        let centre = self.centre + moved.mean;
+        let radius = self.radius + moved.spread;
         let bounds = self.apart(apart).map(|apart| {
-            let centre = apart.by.transform_point3a(self.centre).length();
-            centre + apart.linear * (self.radius + moved.reach) + apart.stretch * moved.apart
+            let centre = apart.by.transform_point3a(centre).length();
+            centre + apart.linear * radius + apart.stretch * moved.apart
         });
         self.weight * greatest(bounds)
     }
@@ -309,44 +333,31 @@ impl Block {
     }
 }
 
-/// The morph targets that move some points, with the greatest offset of each.
-fn greatest_offsets(points: &SkinPoints, of: impl Iterator<Item = usize>) -> Vec<(u16, f32)> {
-    let mut greatest: BTreeMap<u16, f32> = BTreeMap::new();
+/// The morph targets that move some points.
+fn offsets(points: &SkinPoints, of: &[u32]) -> Vec<Offsets> {
+    // Several parts of a target may move a point.
+    let mut by_slot: BTreeMap<u16, BTreeMap<u32, Vec3A>> = BTreeMap::new();
     for point in of {
-        // Several parts of a target may move a point.
-        let mut own: BTreeMap<u16, f32> = BTreeMap::new();
-        for (slot, offset) in points.offsets(point) {
-            *own.entry(*slot).or_default() += offset.length() * (1.0 + ROUNDING);
-        }
-        for (slot, offset) in own {
-            let most = greatest.entry(slot).or_default();
-            *most = most.max(offset);
+        for (slot, offset) in points.offsets(*point as usize) {
+            let own = by_slot.entry(*slot).or_default();
+            *own.entry(*point).or_default() += Vec3A::from(*offset);
         }
     }
-    greatest.into_iter().collect()
-}
-
-/// A bound of the distance of a point from its place, but for rounding: exact without morph targets, of which
-/// the difference is lengthened by `stretch` at most.
-fn way(
-    points: &SkinPoints,
-    point: usize,
-    apart: &[Apart],
-    (right, found): (&[f32], &[f32]),
-    stretch: f32,
-) -> f32 {
-    let mut place = Vec3A::from(points.position(point));
-    let mut moved = Vec3A::ZERO;
-    for (slot, offset) in points.offsets(point) {
-        let (right, found) = (right[usize::from(*slot)], found[usize::from(*slot)]);
-        place += Vec3A::from(*offset) * found;
-        moved += Vec3A::from(*offset) * (right - found);
-    }
-    let influences = points.influences(point).iter();
-    let ways = influences.map(|(binding, weight)| {
-        apart[usize::from(*binding)].by.transform_point3a(place) * *weight
-    });
-    ways.sum::<Vec3A>().length() + stretch * moved.length()
+    let of_slot = |(slot, own): (u16, BTreeMap<u32, Vec3A>)| {
+        let mean = own.values().sum::<Vec3A>() / of.len() as f32;
+        let is_still = own.len() < of.len();
+        let still = is_still.then_some(Vec3A::ZERO);
+        let apart = own.values().copied().chain(still).map(|o| o.distance(mean));
+        let greatest = greatest(own.values().map(|offset| offset.length()));
+        Offsets {
+            slot,
+            mean,
+            // The mean and the distances are rounded too.
+            spread: self::greatest(apart) * (1.0 + ROUNDING) + ROUNDING * greatest,
+            greatest: greatest * (1.0 + ROUNDING),
+        }
+    };
+    by_slot.into_iter().map(of_slot).collect()
 }
 
 /// A bound of what a matrix lengthens a vector by: the root of the greatest sum of a row of *AᵀA*.

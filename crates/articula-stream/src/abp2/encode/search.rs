@@ -12,7 +12,7 @@ use super::truth::Truth;
 use crate::abp2::pose_unit::{MOST_PLANES, TrackForm};
 use articula_core::Libm;
 use articula_core::{Mismatch, Rig};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use std::cell::{Cell, OnceCell};
 use std::ops::Range;
 
@@ -24,6 +24,8 @@ const FACTORS: [f64; 2] = [0.05, 8.0];
 const TIER_FACTORS: [f64; 2] = [0.02, 4.0];
 /// Most places of points that are kept, 192 MB.
 const MOST_PLACES: usize = 1 << 24;
+/// Most matrices that are kept, 64 MB.
+const MOST_MATRICES: usize = 1 << 20;
 /// Frames that are measured at a time, until one is beyond a limit.
 const FRAMES: usize = 16;
 /// Rounds in which the worst vertices join the points of the search.
@@ -120,6 +122,8 @@ pub(super) struct Judge<'a> {
     /// they are too many.
     pub(super) some_shown: OnceCell<Vec<Vec3>>,
     pub(super) all_shown: OnceCell<Vec<Vec3>>,
+    /// What [`Self::true_palettes`] returns, once it was asked for.
+    pub(super) palettes: OnceCell<Vec<Affine3A>>,
     /// Whether the errors of tiers are measured at all points.
     pub(super) states_errors: bool,
     /// The first of the frames in which a motion was beyond its limit.
@@ -145,6 +149,26 @@ impl Judge<'_> {
             truth: self.truth,
             shown: (!shown.is_empty()).then_some(shown),
         }
+    }
+
+    /// The matrices of the bindings in the true pose of each frame; empty if they are too many. All points have
+    /// the same bindings.
+    fn true_palettes(&self) -> &[Affine3A] {
+        self.palettes.get_or_init(|| {
+            let points = &self.all.points;
+            let mut posed = points.posed(self.rig);
+            let matrices = posed.palette.len().saturating_mul(self.truth.frames);
+            if matrices > MOST_MATRICES {
+                return Vec::new();
+            }
+            let mut palettes = Vec::with_capacity(matrices);
+            for frame in 0..self.truth.frames {
+                self.truth.pose(frame, &mut posed.local);
+                points.turn(self.rig, &mut posed);
+                palettes.extend_from_slice(&posed.palette);
+            }
+            palettes
+        })
     }
 
     /// Sets the points of the search.
@@ -194,15 +218,23 @@ impl Judge<'_> {
         limit: f64,
     ) -> impl Iterator<Item = (usize, usize)> {
         let points = &near.points;
+        let known = self.true_palettes();
         let (mut right, mut found) = (points.posed(self.rig), points.posed(self.rig));
         std::iter::from_fn(move || {
             frames.find_map(|frame| {
-                self.truth.pose(frame, &mut right.local);
                 motion.pose(frame, &mut found.local);
-                points.turn(self.rig, &mut right);
                 points.turn(self.rig, &mut found);
-                let right = (&right, self.truth.weights(frame));
-                let found = (&found, motion.weights(frame));
+                let count = found.palette.len();
+                let right = match known.get(frame * count..(frame + 1) * count) {
+                    Some(palette) => palette,
+                    None => {
+                        self.truth.pose(frame, &mut right.local);
+                        points.turn(self.rig, &mut right);
+                        &right.palette
+                    }
+                };
+                let right = (right, self.truth.weights(frame));
+                let found = (&found.palette[..], motion.weights(frame));
                 let point = near.blocks.farthest(points, right, found, limit)?;
                 Some((frame, point))
             })
@@ -298,20 +330,25 @@ pub(super) fn tiers(
         };
         let whole = 3_f64.powi(tier as i32);
         let [mut low, mut high] = TIER_FACTORS.map(|factor| (whole * factor).libm_ln());
-        let mut best = above.clone();
+        // Near factors often drop the same planes.
+        let (mut within, mut beyond) = (None, None);
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
             let dropped = planes(middle.libm_exp());
-            let is_within = judge.seems_within(|frames| {
-                let motion = shown.in_frames(&dropped, frames.clone());
-                judge.some_beyond(motion, frames, limit)
-            });
-            if is_within {
-                (low, best) = (middle, dropped);
-            } else {
-                high = middle;
-            }
+            let was = |last: &Option<Vec<u8>>| last.as_ref() == Some(&dropped);
+            let is_within = was(&within)
+                || !was(&beyond)
+                    && judge.seems_within(|frames| {
+                        let motion = shown.in_frames(&dropped, frames.clone());
+                        judge.some_beyond(motion, frames, limit)
+                    });
+            let (end, last) = match is_within {
+                true => (&mut low, &mut within),
+                false => (&mut high, &mut beyond),
+            };
+            (*end, *last) = (middle, Some(dropped));
         }
+        let mut best = within.unwrap_or_else(|| above.clone());
         let mut factor = low.libm_exp();
         let mut is_within = |dropped: &[u8]| {
             let motion = shown.in_frames(dropped, all.clone());

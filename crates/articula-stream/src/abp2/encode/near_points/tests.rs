@@ -117,13 +117,14 @@ fn check((right_weight, found_weight): (f32, f32)) {
                     expected = (Some(point), *distance);
                 }
             }
-            let (right, found) = ((&right, right_weights), (&found, found_weights));
+            let right = (&right.palette[..], right_weights);
+            let found = (&found.palette[..], found_weights);
             assert_eq!(near.farthest(&points, right, found, limit), expected.0);
         }
         let pairs = right.palette.iter().zip(&found.palette);
         let apart: Vec<Apart> = pairs.map(|(a, b)| Apart::of(a, b)).collect();
         let blocks = near.groups.iter().flat_map(|group| &group.blocks);
-        let bounds = blocks.map(|block| f64::from(block.bound(&apart, block.moved(weights))));
+        let bounds = blocks.map(|(block, _)| f64::from(block.bound(&apart, block.moved(weights))));
         left_out += bounds.filter(|bound| *bound <= greatest).count();
     }
     // Bounds are of use: the blocks of the upper arm move less than the hand.

@@ -4,7 +4,7 @@ use super::super::canonical::rotated;
 use super::super::mesh::QuantisedMesh;
 use super::Quantised;
 use articula_core::Mismatch;
-use std::collections::{HashMap, HashSet};
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 /// Makes the levels of `out` from a mesh of one point and one wedge per vertex.
 pub(super) fn merge(
