@@ -124,3 +124,41 @@ fn wrong_uses_are_told() {
     let line = fault(&folder, 1, &few);
     assert!(line.contains("triangles: 1 allowed"), "{line}");
 }
+
+#[test]
+fn clips_of_a_folder_are_put_into_one_file_or_each_into_its_own() {
+    let folder = folder("optimized-library");
+    let source = short().to_string_lossy().into_owned();
+    std::fs::create_dir(folder.join("clips")).unwrap();
+    for name in ["walk.bvh", "run.bvh"] {
+        let out = format!("clips/{name}");
+        json(&folder, &["convert", &source, &out]);
+    }
+    std::fs::write(folder.join("clips/notes.txt"), "no character").unwrap();
+    let each = ["optimize", "clips", "each/", "--skin", &source];
+    let each = json(&folder, &each);
+    let files = each["files"].as_array().unwrap();
+    assert_eq!(files.len(), 2);
+    for file in files {
+        let skin = &file["measured_on"]["skin"];
+        assert_eq!(skin["joints_missing"], 0, "{file}");
+        assert!(skin["joints"].as_u64() > Some(10), "{file}");
+    }
+    let one = ["optimize", "clips", "one.glb", "--together"];
+    let one = json(&folder, &one);
+    assert_eq!(one["measured_on"], "joints");
+    let clips = one["clips"].as_array().unwrap();
+    assert_eq!(clips.len(), 2, "{one}");
+    let sizes: Vec<u64> = files
+        .iter()
+        .map(|f| f["bytes_in"].as_u64().unwrap())
+        .collect();
+    assert_eq!(one["bytes_in"].as_u64(), Some(sizes.iter().sum()));
+    let refused = fault(&folder, 2, &["optimize", "clips", "two.glb"]);
+    assert!(refused.contains("--together"), "{refused}");
+    let refused = fault(&folder, 2, &["optimize", "clips", "out/", "--together"]);
+    assert!(refused.contains("folder"), "{refused}");
+    std::fs::create_dir(folder.join("empty")).unwrap();
+    let refused = fault(&folder, 2, &["optimize", "empty", "out/"]);
+    assert!(refused.contains("no character file"), "{refused}");
+}

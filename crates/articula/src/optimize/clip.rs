@@ -37,7 +37,7 @@ pub(super) struct Subject<'a> {
 
 impl<'a> Subject<'a> {
     pub(super) fn new(source: &'a Source, stored: &'a Source) -> Result<Self> {
-        let character = &source.character;
+        let character = source.body();
         let joints = Articulation::unmapped(character.skeleton.joints.len());
         Ok(Self {
             source,

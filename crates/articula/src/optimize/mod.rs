@@ -1,6 +1,7 @@
 //! A character file in fewer bytes, at an error in motion that is measured on the written file.
 //!
 //! - `source`: the character before anything is rounded, and files that are written of it
+//! - `worn`: what is measured of a file of motion alone
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `textures`, `picture_file`: pictures in fewer bytes that look the same
@@ -19,22 +20,26 @@ mod report;
 mod simplification;
 mod source;
 mod textures;
+mod worn;
 
 pub use articula_formats::gltf::{BytesByKind, Compression};
 pub use fit::{Fit, optimize_to_fit};
 pub use limits::{OptimizeLimits, PlatformLimits};
 pub use report::{ClipOptimized, OptimizeReport};
 pub use textures::{TextureContents, TextureFormat, TextureOptimized, TextureOptions};
+pub use worn::MeasuredOn;
 
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use crate::work::Executor;
 use articula_build::greatest_vertex_error;
 use articula_core::Articulation;
+use articula_core::source::Character;
 use clip::Subject;
 use optimized_clip::OptimizedClip;
 use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
 use source::{MeshPrecision, Source};
+use std::sync::Arc;
 
 /// Greatest error in motion that is allowed, of any vertex at any time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +74,9 @@ pub struct OptimizeOptions {
     /// Whether texture coordinates and tangents stay that no material of the file uses, since an engine
     /// may have materials of its own.
     pub keep_attributes: bool,
+    /// The character on whose skin errors are measured of a file without meshes; its joints are found by name.
+    /// Without it points around the joints are, half a bone away.
+    pub skin: Option<Arc<Character>>,
     /// What is done with textures.
     pub textures: TextureOptions,
     /// Seed of the times at which the error is measured, besides key times and their middles.
@@ -88,6 +96,7 @@ impl Default for OptimizeOptions {
             locked: Vec::new(),
             region_weights: Vec::new(),
             keep_attributes: false,
+            skin: None,
             textures: TextureOptions::default(),
             seed: 1,
         }
@@ -127,7 +136,8 @@ const MEASURED: f32 = 0.985;
 /// vertex that is left is posed beside the source at all key times of each clip, the middles between them
 /// (at most 1500) and random times. Where triangles are gone, the surfaces are measured against each other
 /// in both directions, in up to 400 poses of clips and morph targets. The farthest vertex and the farthest
-/// point of either surface stay within the bound. How a texture lies on the surface is not measured.
+/// point of either surface stay within the bound. Of a file without meshes the vertices of
+/// [`OptimizeOptions::skin`] are posed, or points around its joints. How a texture lies on the surface is not measured.
 ///
 /// All else of a glTF document is kept: names, extras, VRM and other extensions, hierarchy, materials,
 /// skins. Pictures get the fewest bytes with which they look the same. Prepared data and motion tables, which belong to the arrays as they were, are left
@@ -136,7 +146,7 @@ const MEASURED: f32 = 0.985;
 ///
 /// # Errors
 /// [`Error::Argument`] if the bound is not positive; [`Error::Unsupported`] if it is finer than 24-bit
-/// numbers can keep; otherwise an [`Error`] that names the file and the cause. [`Error::Cancelled`] if the
+/// numbers can keep, or no joint of the skin has the name of one of the file; otherwise an [`Error`] that names the file and the cause. [`Error::Cancelled`] if the
 /// caller stops the work.
 pub fn optimize(
     opened: &CharacterFile,
@@ -300,7 +310,7 @@ fn within(
         }
         let written: Vec<&OptimizedClip> = clips.iter().flatten().collect();
         let glb = source.written(&written, &precision, options)?;
-        let shown = Source::read(&glb)?;
+        let shown = source.read_again(&glb)?;
         let errors = Errors::measured(source, &shown, options, work)?;
         if errors.rest <= bound && errors.clips.iter().all(|clip| *clip <= in_motion) {
             let report = OptimizeReport::new(source, &written, &errors, &glb);

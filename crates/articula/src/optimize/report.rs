@@ -4,6 +4,7 @@ use super::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
 use super::textures::TextureOptimized;
+use super::worn::MeasuredOn;
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;
 use serde::Serialize;
@@ -38,6 +39,8 @@ pub struct OptimizeReport {
     pub after: BytesByKind,
     /// The greatest error that was allowed, in millimetres.
     pub bound_mm: f32,
+    /// What the errors are those of.
+    pub measured_on: MeasuredOn,
     /// The greater of the two errors that follow, in millimetres.
     pub error_mm: f32,
     /// Greatest error of a vertex that is left, at rest and over all clips, in millimetres.
@@ -75,6 +78,7 @@ impl OptimizeReport {
             before: BytesByKind::default(),
             after: BytesByKind::of_glb(glb),
             bound_mm: 0.0,
+            measured_on: source.measured_on(),
             error_mm: 1e3 * errors.greatest(),
             vertex_error_mm: 1e3 * errors.greatest(),
             surface_error_mm: 0.0,

@@ -46,7 +46,7 @@ impl Simplification {
     ) -> Result<Option<Self>> {
         let source = &prepared.source;
         let mut posed = source.posed()?;
-        if posed.mesh().is_empty() || source.keeps_arrays() {
+        if source.triangles() == 0 || source.keeps_arrays() {
             return Ok(None);
         }
         let constraints = constraints(prepared, posed.mesh(), options)?;

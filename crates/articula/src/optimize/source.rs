@@ -3,6 +3,7 @@
 use super::OptimizeOptions;
 use super::optimized_clip::OptimizedClip;
 use super::textures::{TextureOptimized, optimize_textures};
+use super::worn::{MeasuredOn, Worn};
 use crate::convert;
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Format, GltfSource, OpenOptions, open};
@@ -23,6 +24,8 @@ const TEXCOORD_STEP: f32 = 1.0 / 4096.0;
 pub(super) struct Source {
     pub(super) character: Character,
     pub(super) file: GltfSource,
+    /// What is measured in place of meshes, if the file has none.
+    worn: Option<Worn>,
 }
 
 /// Shares of the error for meshes.
@@ -161,7 +164,12 @@ impl Source {
         if document.is_compressible() && !options.keep_attributes {
             document.drop_unused_attributes();
         }
-        Ok((before, Self::ordered(document)?))
+        let mut source = Self::ordered(document)?;
+        if source.character.meshes.is_empty() {
+            let skin = options.skin.as_deref();
+            source.worn = Some(Worn::on(&source.character.skeleton, skin)?);
+        }
+        Ok((before, source))
     }
 
     /// The character of a document, with vertices and triangles in the order in which they are stored.
@@ -171,7 +179,11 @@ impl Source {
         }
         let read = gltf::read_document(document, &Limits::default())?;
         let (character, file) = GltfSource::split(read.value);
-        Ok(Self { character, file })
+        Ok(Self {
+            character,
+            file,
+            worn: None,
+        })
     }
 
     /// Number of triangles.
@@ -205,7 +217,20 @@ impl Source {
             return Err(Error::unsuited("the written file is not glTF"));
         };
         let character = opened.into_character();
-        Ok(Self { character, file })
+        Ok(Self {
+            character,
+            file,
+            worn: None,
+        })
+    }
+
+    /// A file that was written of this one, with what is measured in place of meshes.
+    pub(super) fn read_again(&self, glb: &[u8]) -> Result<Self> {
+        let mut shown = Self::read(glb)?;
+        if let Some(worn) = &self.worn {
+            shown.worn = Some(worn.on_same_joints(&shown.character.skeleton)?);
+        }
+        Ok(shown)
     }
 
     /// Whether an unknown extension may refer to arrays, which then stay as they are.
@@ -213,13 +238,25 @@ impl Source {
         !self.file.document.is_compressible()
     }
 
+    /// The character whose vertices are measured: the file's, or what stands in for its meshes.
+    pub(super) fn body(&self) -> &Character {
+        let worn = self.worn.as_ref();
+        worn.map_or(&self.character, |worn| &worn.character)
+    }
+
+    /// What errors are those of.
+    pub(super) fn measured_on(&self) -> MeasuredOn {
+        let worn = self.worn.as_ref();
+        worn.map_or(MeasuredOn::Meshes, |worn| worn.measured_on)
+    }
+
     pub(super) fn posed(&self) -> Result<PosedVertices<'_>> {
-        Ok(PosedVertices::new(&self.character)?)
+        Ok(PosedVertices::new(self.body())?)
     }
 
     /// The same with meshes as the file that is written will have them.
     pub(super) fn with_rounded_mesh(&self, precision: &MeshPrecision) -> Result<Self> {
-        Self::read(&self.with_meshes(precision, Compression::None)?)
+        self.read_again(&self.with_meshes(precision, Compression::None)?)
     }
 
     /// The file with rounded meshes and clips as they are.

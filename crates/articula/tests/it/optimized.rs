@@ -3,13 +3,17 @@
 use crate::real::real_data;
 use articula::build::{Played, resampling_error};
 use articula::core::Mesh;
-use articula::glam::Vec3;
+use articula::core::source::{Channel, Character, Interpolation, Property, RawClip};
+use articula::glam::{Quat, Vec3};
 use articula::human::HumanOptions;
-use articula::optimize::{Compression, ErrorBound, OptimizeOptions, Optimized, optimize};
+use articula::optimize::{
+    Compression, ErrorBound, MeasuredOn, OptimizeOptions, Optimized, optimize,
+};
 use articula::{CharacterFile, Executor, Format, OpenOptions, convert, fs, open};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 const BOUND: f32 = 1e-3;
 
@@ -89,6 +93,96 @@ fn a_human_takes_a_third_and_stays_within_the_error() {
     assert!(metres <= f64::from(BOUND) + 1e-5, "{metres}");
     let (before, after) = (report.before, report.after);
     assert!(after.keys < before.keys && after.geometry < before.geometry);
+}
+
+/// The clip of our human without its meshes.
+fn motion_alone() -> CharacterFile {
+    let mut character = human().into_character();
+    character.meshes.clear();
+    for clip in &mut character.clips {
+        let is_of_joint = |c: &Channel| c.property != Property::Weights;
+        clip.channels.retain(is_of_joint);
+    }
+    let opened = CharacterFile::from_character("motion", character);
+    read(&convert::write(&opened, Format::Glb).unwrap().bytes)
+}
+
+#[test]
+fn a_clip_alone_is_within_the_error_on_the_skin_that_is_named() {
+    let (human, source) = (human(), motion_alone());
+    let with_skin = |skin: Character| {
+        let options = OptimizeOptions {
+            skin: Some(Arc::new(skin)),
+            ..options()
+        };
+        optimize(&source, &options, &Executor::default())
+    };
+    let whole = with_skin(human.character().clone()).unwrap();
+    let shown = read(&whole.glb);
+    let metres = keys_metres(&human, &shown);
+    assert!(metres > 0.25 * f64::from(BOUND), "{metres}");
+    assert!(metres <= f64::from(BOUND) + 1e-5, "{metres}");
+    let joints = |missing: usize| {
+        let skins = human.character().meshes.iter().flat_map(|m| &m.skin.joints);
+        MeasuredOn::Skin {
+            joints: skins.collect::<BTreeSet<_>>().len(),
+            joints_missing: missing,
+        }
+    };
+    assert_eq!(whole.report.measured_on, joints(0));
+
+    // A joint of the skin that the file lacks stays with the one above it.
+    let mut longer = human.character().clone();
+    let skinned = *longer.meshes[0].skin.joints.last().unwrap();
+    longer.skeleton.joints[skinned].name = "not in the file".to_owned();
+    let made = with_skin(longer.clone()).unwrap();
+    assert_eq!(made.report.measured_on, joints(1));
+    assert!(made.report.error_mm <= 1e3 * BOUND);
+    for joint in &mut longer.skeleton.joints {
+        joint.name.insert(0, '-');
+    }
+    let refused = with_skin(longer).unwrap_err();
+    assert!(refused.to_string().contains("skin"), "{refused}");
+}
+
+#[test]
+fn turns_at_the_ends_of_limbs_count_without_a_skin() {
+    // The last joint turns, and no joint is below it.
+    let turn = |angle: f32| Quat::from_rotation_z(angle);
+    let mut source = motion_alone().into_character();
+    let parents: BTreeSet<usize> = (source.skeleton.joints.iter())
+        .filter_map(|joint| joint.parent)
+        .collect();
+    let last = (0..source.skeleton.joints.len()).rfind(|j| !parents.contains(j));
+    let last = last.unwrap();
+    let rest = source.skeleton.joints[last].rest.rotation;
+    let angles = [0.0, 0.5, -0.5, 0.0];
+    source.clips = vec![RawClip {
+        name: "wave".to_owned(),
+        duration_secs: 2.0,
+        channels: vec![Channel {
+            target: last,
+            property: Property::Rotation,
+            interpolation: Interpolation::Linear,
+            times_secs: vec![0.0, 0.5, 1.5, 2.0],
+            values: (angles.into_iter())
+                .flat_map(|angle| (rest * turn(angle)).to_array())
+                .collect(),
+        }],
+        ..RawClip::default()
+    }];
+    let source = CharacterFile::from_character("wave", source);
+    let optimized = made(&source, &options());
+    assert_eq!(optimized.report.measured_on, MeasuredOn::Joints);
+    let shown = read(&optimized.glb);
+    let channel = &shown.character().clips[0].channels[0];
+    assert_eq!((channel.target, channel.times_secs.len()), (last, 4));
+    for (found, angle) in channel.values.chunks_exact(4).zip(angles) {
+        let found = Quat::from_slice(found).normalize();
+        // The points are at least 3 cm from the joint.
+        let metres = 0.03 * found.angle_between(rest * turn(angle));
+        assert!(metres <= BOUND, "{angle}: {metres} m");
+    }
 }
 
 #[test]

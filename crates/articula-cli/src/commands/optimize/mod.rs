@@ -1,6 +1,7 @@
 //! `articula optimize IN... OUT`: writes characters in fewer bytes, at an error in motion that is measured
 //! on what is written.
 
+mod plan;
 mod report;
 mod textures;
 
@@ -9,7 +10,7 @@ use crate::console::Console;
 use crate::open;
 use crate::selection::Chosen;
 use crate::{fault, files};
-use articula::convert::JointReduction;
+use articula::convert::{AddClipsOptions, JointReduction};
 use articula::core::joint_state::PassivePolicy;
 use articula::formats::Limits;
 use articula::optimize::{
@@ -18,15 +19,17 @@ use articula::optimize::{
 };
 use articula::{CharacterFile, Format};
 use clap::{Args, ValueEnum};
+use plan::{Plan, PlannedFile};
 use report::{Batch, JointsHeld, OptimizedFile};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use textures::TextureArgs;
 
 /// Arguments of `optimize`.
 #[derive(Debug, Args)]
 pub(crate) struct OptimizeArgs {
-    /// Character files (.glb, .gltf, .vrm, .fbx, .bvh, ...); last the file to write (.glb, .vrm), or a
-    /// folder that receives one file for each input
+    /// Character files (.glb, .gltf, .vrm, .fbx, .bvh, ...) or folders of them; last the file to write (.glb,
+    /// .vrm), or a folder that receives one file for each input
     #[arg(value_name = "IN… OUT", required = true, num_args = 2..)]
     paths: Vec<PathBuf>,
     /// Greatest error in motion of any vertex: pixels of a picture that the figure at rest fills from top to
@@ -79,6 +82,13 @@ pub(crate) struct OptimizeArgs {
     /// Keep texture coordinates and tangents that no material of the file uses
     #[arg(long)]
     keep_attributes: bool,
+    /// Write the clips of all inputs into one file, with the skeleton and the meshes of the first
+    #[arg(long)]
+    together: bool,
+    /// Character on whose skin errors are measured of files without meshes, whose joints are found by name;
+    /// without it three points around each joint are measured, half a bone away
+    #[arg(long, value_name = "FILE")]
+    skin: Option<PathBuf>,
     #[command(flatten)]
     textures: TextureArgs,
     /// Seed of the times at which the error is measured, besides key times and their middles
@@ -135,24 +145,29 @@ fn size_bytes(text: &str) -> Result<usize, String> {
 /// Optimises and writes.
 pub(crate) fn run(args: &OptimizeArgs, console: &Console) -> anyhow::Result<()> {
     args.limits()?;
-    let plan = args.plan()?;
-    let inputs = plan.iter().map(|(input, _)| *input);
-    let inputs = inputs.chain(args.loa_profile.as_deref());
-    let made = args.folder().is_none_or(Path::is_dir);
-    let outputs = plan.iter().filter(|_| made).map(|(_, out)| out.as_path());
-    console
-        .files
-        .plan(inputs.chain(args.names.inputs()), outputs)?;
+    let plan = Plan::of(&args.paths, args.together)?;
+    let inputs = plan.files.iter().flat_map(|file| &file.inputs);
+    let inputs = inputs.chain(&args.loa_profile).chain(&args.skin);
+    let made = plan.folder.as_deref().is_none_or(Path::is_dir);
+    let outputs = plan.files.iter().filter(|_| made).map(|file| &file.out);
+    console.files.plan(
+        inputs.map(PathBuf::as_path).chain(args.names.inputs()),
+        outputs.map(PathBuf::as_path),
+    )?;
+    let options = args.options(console)?;
     let mut done = Vec::new();
     let mut faults = Vec::new();
-    for (input, out) in &plan {
-        match args.optimized(input, out, console) {
+    for file in &plan.files {
+        if let Some(folder) = &plan.folder {
+            console.files.make_folder(folder)?;
+        }
+        match args.optimized(file, &options, console) {
             Ok(report) => done.push(report),
-            Err(fault) if plan.len() == 1 => return Err(fault),
+            Err(fault) if plan.files.len() == 1 => return Err(fault),
             Err(fault) => faults.push(fault),
         }
     }
-    match (args.folder(), done.pop()) {
+    match (&plan.folder, done.pop()) {
         (None, Some(one)) => console.result(&one, OptimizedFile::text)?,
         (_, last) => {
             done.extend(last);
@@ -166,61 +181,19 @@ pub(crate) fn run(args: &OptimizeArgs, console: &Console) -> anyhow::Result<()> 
     faults.iter().for_each(|fault| console.fault(fault));
     match faults.len() {
         0 => Ok(()),
-        failed => anyhow::bail!("{failed} of {} files could not be optimised", plan.len()),
+        failed => anyhow::bail!(
+            "{failed} of {} files could not be optimised",
+            plan.files.len()
+        ),
     }
 }
 
 impl OptimizeArgs {
-    fn out(&self) -> &Path {
-        self.paths.last().map_or(Path::new(""), PathBuf::as_path)
-    }
-
-    fn inputs(&self) -> &[PathBuf] {
-        &self.paths[..self.paths.len().saturating_sub(1)]
-    }
-
-    /// The folder that receives the files, if there are several or it is one.
-    fn folder(&self) -> Option<&Path> {
-        let out = self.out();
-        let is_folder = self.inputs().len() > 1 || out.is_dir() || files::ends_with_separator(out);
-        is_folder.then_some(out)
-    }
-
-    /// Each input and the file that is written of it.
-    fn plan(&self) -> anyhow::Result<Vec<(&Path, PathBuf)>> {
-        let out = self.out();
-        let Some(folder) = self.folder() else {
-            if !matches!(files::format(out), Some(Format::Glb | Format::Vrm)) {
-                let what =
-                    "an optimised file is a GLB; name the file .glb or .vrm, or a folder with /";
-                return Err(fault::usage(format!("{}: {what}", files::shown(out))));
-            }
-            return Ok(vec![(self.inputs()[0].as_path(), out.to_owned())]);
-        };
-        if files::is_no_folder(folder) {
-            let what = "this is a file; name a folder for several files";
-            return Err(fault::usage(format!("{}: {what}", files::shown(folder))));
-        }
-        let mut plan: Vec<(&Path, PathBuf)> = Vec::new();
-        for input in self.inputs() {
-            let extension = match files::format(input) {
-                Some(Format::Vrm) => "vrm",
-                _ => "glb",
-            };
-            let name = input.file_stem().unwrap_or_default();
-            let out = folder.join(name).with_extension(extension);
-            if let Some((other, _)) = plan.iter().find(|(_, o)| *o == out) {
-                let (a, b) = (files::shown(other), files::shown(input));
-                let what = format!("{a} and {b} would both become {}", files::shown(&out));
-                return Err(fault::usage(what));
-            }
-            plan.push((input, out));
-        }
-        Ok(plan)
-    }
-
-    fn options(&self) -> OptimizeOptions {
-        OptimizeOptions {
+    fn options(&self, console: &Console) -> anyhow::Result<OptimizeOptions> {
+        let skin = self.skin.as_ref();
+        let skin = skin.map(|skin| open::character(&console.files, skin, &ReadArgs::default()));
+        let skin = skin.transpose()?.map(CharacterFile::into_character);
+        Ok(OptimizeOptions {
             error: match self.error {
                 Given::Metres(metres) => ErrorBound::Metres(metres),
                 Given::Pixels(px) => ErrorBound::Pixels {
@@ -238,9 +211,10 @@ impl OptimizeArgs {
             locked: self.lock.clone(),
             region_weights: self.region_weight.clone(),
             keep_attributes: self.keep_attributes,
+            skin: skin.map(Arc::new),
             textures: self.textures.options(),
             seed: self.seed,
-        }
+        })
     }
 
     /// The platform whose limits are meant.
@@ -280,43 +254,64 @@ impl OptimizeArgs {
         }))
     }
 
+    /// Opens the inputs of a file, and returns the bytes of all of them.
+    fn opened(
+        &self,
+        file: &PlannedFile,
+        console: &Console,
+    ) -> anyhow::Result<(CharacterFile, usize)> {
+        let open = |input: &PathBuf| open::motion(&console.files, input, &self.names);
+        let all: Vec<CharacterFile> = file.inputs.iter().map(open).collect::<Result<_, _>>()?;
+        let bytes = all.iter().map(CharacterFile::bytes).sum();
+        let mut all = all.into_iter();
+        let Some(mut first) = all.next() else {
+            return Err(fault::usage("no file to read".to_owned()));
+        };
+        let others: Vec<CharacterFile> = all.collect();
+        let options = AddClipsOptions::default();
+        console.work(|work| first.add_clips(&others, &options, work))?;
+        Ok((first, bytes))
+    }
+
     /// Writes one file. The source is written where the result would not be smaller.
     fn optimized(
         &self,
-        input: &Path,
-        out: &Path,
+        file: &PlannedFile,
+        options: &OptimizeOptions,
         console: &Console,
     ) -> anyhow::Result<OptimizedFile> {
-        let mut opened = open::motion(&console.files, input, &self.names)?;
+        let (mut opened, bytes_in) = self.opened(file, console)?;
         let joints = self.held(&mut opened)?;
-        let (limits, options) = (self.limits()?, self.options());
-        let (made, fit) = match limits.is_none() {
-            true => (
-                console.work(|work| optimize(&opened, &options, work))?,
-                None,
-            ),
+        let limits = self.limits()?;
+        let (mut made, fit) = match limits.is_none() {
+            true => (console.work(|work| optimize(&opened, options, work))?, None),
             false => {
                 let (made, fit) =
-                    console.work(|work| optimize_to_fit(&opened, &options, &limits, work))?;
+                    console.work(|work| optimize_to_fit(&opened, options, &limits, work))?;
                 (made, Some(fit))
             }
         };
-        let is_whole = is_whole(&opened, input);
-        let is_kept = is_whole
-            && joints.is_none()
-            && fit.is_none()
-            && made.report.bytes_out >= made.report.bytes_in;
-        if let Some(folder) = self.folder() {
-            console.files.make_folder(folder)?;
-        }
-        let bytes = match is_kept {
-            true => files::read(input, Limits::default().bytes)?,
-            false => made.glb,
+        made.report.bytes_in = bytes_in;
+        let alone = match &file.inputs[..] {
+            [input] if is_whole(&opened, input) => Some(input),
+            _ => None,
         };
-        console.files.write(out, &bytes)?;
+        let is_larger = made.report.bytes_out >= made.report.bytes_in;
+        let kept = alone.filter(|_| is_larger && joints.is_none() && fit.is_none());
+        let is_kept = kept.is_some();
+        let bytes = match kept {
+            Some(input) => files::read(input, Limits::default().bytes)?,
+            None => made.glb,
+        };
+        console.files.write(&file.out, &bytes)?;
+        let inputs: Vec<String> = file
+            .inputs
+            .iter()
+            .map(|input| files::shown(input))
+            .collect();
         Ok(OptimizedFile {
-            input: files::shown(input),
-            out: files::shown(out),
+            input: inputs.join(", "),
+            out: files::shown(&file.out),
             is_kept,
             joints,
             fit,

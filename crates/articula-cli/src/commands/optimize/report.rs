@@ -1,7 +1,9 @@
 //! What was saved, as text and JSON.
 
 use crate::table::{Table, counted, warnings};
-use articula::optimize::{Fit, OptimizeReport, PlatformLimits, TextureContents, TextureOptimized};
+use articula::optimize::{
+    Fit, MeasuredOn, OptimizeReport, PlatformLimits, TextureContents, TextureOptimized,
+};
 use serde::Serialize;
 
 /// One optimised file.
@@ -69,6 +71,7 @@ impl OptimizedFile {
             "error in motion, measured on the file that was written: {:.3} mm of {:.3} mm allowed\n",
             report.error_mm, report.bound_mm
         );
+        text += &measured_on(report.measured_on);
         if report.triangles_out < report.triangles_in {
             text += &format!(
                 "triangles: {} -> {}; error of the surface {:.3} mm, of the vertices left {:.3} mm\n",
@@ -204,5 +207,28 @@ impl Batch {
             text += &warnings(&file.warnings);
         }
         text
+    }
+}
+
+/// What was measured of a file without meshes.
+fn measured_on(on: MeasuredOn) -> String {
+    match on {
+        MeasuredOn::Meshes => String::new(),
+        MeasuredOn::Joints => {
+            "the file has no mesh: the error is that of points around its joints; give --skin for that of a \
+             character\n"
+                .to_owned()
+        }
+        MeasuredOn::Skin {
+            joints,
+            joints_missing: 0,
+        } => format!("the error is that of the skin, whose {joints} joints the file has\n"),
+        MeasuredOn::Skin {
+            joints,
+            joints_missing,
+        } => format!(
+            "warning: the error is that of the skin, of whose {joints} joints the file lacks {joints_missing}: \
+             they follow the joints above\n"
+        ),
     }
 }
