@@ -1,10 +1,11 @@
-// How far files are from their source in motion, and how large they are: `node errors.mjs SOURCE FILE...`, judged by
-// three.js. Prints a row for each file, {error_mm, height_mm, bytes, pictures, brotli, fault}.
+// How far files are from their source in motion, and how large they are: `node errors.mjs [--skin SKIN] SOURCE FILE...`,
+// judged by three.js. Prints a row for each file, {error_mm, height_mm, bytes, pictures, brotli, fault}.
 //
 // Vertices of the source, drawn at random, are followed through every clip at seeded random times; in a file without
 // clips, through every morph target at its full weight. An optimiser may reorder, weld and join vertices, so that a
 // vertex of the source is followed by that of the file which is nearest at rest; where several are about as near (seams),
-// by the one that stays nearest. The error is the greatest distance of any.
+// by the one that stays nearest. The error is the greatest distance of any. Of files of clips alone the clips are played by
+// the character SKIN, whose joints three.js finds by name.
 
 import { readFile } from "node:fs/promises";
 import { brotliCompressSync, constants } from "node:zlib";
@@ -12,9 +13,11 @@ import { AnimationMixer, LoopOnce, Vector3 } from "three";
 import { random } from "../random.mjs";
 import { openScene } from "../scene.mjs";
 
-const [source, ...files] = process.argv.slice(2);
+const words = process.argv.slice(2);
+const skin = words[0] === "--skin" ? words.splice(0, 2)[1] : null;
+const [source, ...files] = words;
 if (files.length === 0) {
-  console.error("usage: node errors.mjs SOURCE FILE...");
+  console.error("usage: node errors.mjs [--skin SKIN] SOURCE FILE...");
   process.exit(2);
 }
 
@@ -28,27 +31,27 @@ const MOST_CANDIDATES = 24;
 const SEED = 1123;
 
 async function load(path) {
-  const { gltf } = await openScene(path);
+  const { animations } = (await openScene(path)).gltf;
+  const { scene } = (await openScene(skin ?? path)).gltf;
   const meshes = [];
-  gltf.scene.traverse((mesh) => mesh.isMesh && meshes.push(mesh));
-  return { gltf, meshes, mixer: new AnimationMixer(gltf.scene) };
+  scene.traverse((mesh) => mesh.isMesh && meshes.push(mesh));
+  return { scene, animations, meshes, mixer: new AnimationMixer(scene) };
 }
 
-function atRest({ gltf, meshes, mixer }) {
+function atRest({ scene, meshes, mixer }) {
   mixer.stopAllAction();
-  gltf.scene.updateMatrixWorld(true);
+  scene.updateMatrixWorld(true);
   for (const mesh of meshes) {
     mesh.skeleton?.update();
   }
 }
 
 /** The clip of a name; where the file has another name for it, the one at its place. */
-function clipOf({ gltf }, wanted, index) {
-  return gltf.animations.find(({ name }) => name === wanted.name) ?? gltf.animations[index];
+function clipOf({ animations }, wanted, index) {
+  return animations.find(({ name }) => name === wanted.name) ?? animations[index];
 }
 
-function play(scene, clip, time) {
-  const { mixer } = scene;
+function play({ scene, mixer }, clip, time) {
   mixer.stopAllAction();
   if (clip) {
     const action = mixer.clipAction(clip);
@@ -58,7 +61,7 @@ function play(scene, clip, time) {
     mixer.setTime(0);
     mixer.update(Math.min(time, clip.duration));
   }
-  scene.gltf.scene.updateMatrixWorld(true);
+  scene.updateMatrixWorld(true);
 }
 
 const at = new Vector3();
@@ -74,9 +77,8 @@ function everyVertex({ meshes }) {
 }
 
 /** Poses of a scene: for each, a function that shows it in any file. */
-function poses({ gltf, meshes }) {
+function poses({ animations, meshes }) {
   const next = random(SEED);
-  const { animations } = gltf;
   const each = Math.max(FEWEST_POSES, Math.ceil(POSES / Math.max(animations.length, 1)));
   const ofClips = animations.flatMap((clip, index) =>
     Array.from({ length: each }, () => {

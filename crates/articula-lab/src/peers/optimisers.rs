@@ -53,9 +53,10 @@ pub(crate) fn files(source: &Path, folder: &Path) -> Result<Vec<PeerFile>> {
     answer("files.mjs", &[source, folder])
 }
 
-/// Judges files beside their source.
-pub(crate) fn judged(source: &Path, files: &[&Path]) -> Result<Vec<Judged>> {
-    let rows: Vec<Judged> = answer("errors.mjs", &[&[source], files].concat())?;
+/// Judges files beside their source; those of clips alone on the skin of a character.
+pub(crate) fn judged(skin: Option<&Path>, source: &Path, files: &[&Path]) -> Result<Vec<Judged>> {
+    let skin = skin.map_or(Vec::new(), |skin| vec![Path::new("--skin"), skin]);
+    let rows: Vec<Judged> = answer("errors.mjs", &[&skin, &[source][..], files].concat())?;
     ensure!(rows.len() == files.len(), "errors.mjs left files out");
     Ok(rows)
 }

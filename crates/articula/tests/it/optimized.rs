@@ -169,7 +169,6 @@ fn turns_at_the_ends_of_limbs_count_without_a_skin() {
                 .flat_map(|angle| (rest * turn(angle)).to_array())
                 .collect(),
         }],
-        ..RawClip::default()
     }];
     let source = CharacterFile::from_character("wave", source);
     let optimized = made(&source, &options());

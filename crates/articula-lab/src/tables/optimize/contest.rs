@@ -6,7 +6,8 @@ use articula::Executor;
 use articula::optimize::{
     Compression, ErrorBound, OptimizeOptions, TextureFormat, TextureOptions, optimize,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Lines of the picture that the figure at rest fills.
 pub(super) const HEIGHT_PX: f64 = 720.0;
@@ -55,10 +56,12 @@ impl Entrant {
     }
 }
 
-/// All files of one character.
+/// All files of one character, or of one library of clips.
 #[derive(Debug, Clone)]
 pub(super) struct Contest {
     pub(super) name: &'static str,
+    /// The character that plays the clips of a library.
+    pub(super) skin: Option<PathBuf>,
     /// Bytes of the source.
     pub(super) source_bytes: usize,
     /// The source; `None` without a judge.
@@ -71,13 +74,19 @@ pub(super) struct Contest {
 }
 
 impl Contest {
-    /// Writes and judges all files of a character.
-    pub(super) fn run(name: &'static str, path: &Path, has_peers: bool) -> Result<Self> {
+    /// Writes and judges all files of a character, or of clips that `skin` plays.
+    pub(super) fn run(
+        name: &'static str,
+        path: &Path,
+        skin: Option<PathBuf>,
+        has_peers: bool,
+    ) -> Result<Self> {
         let folder = tempfile::tempdir()?;
         let source = folder.path().join("source.glb");
         std::fs::copy(path, &source).with_context(|| path.display().to_string())?;
         let mut contest = Self {
             name,
+            skin,
             source_bytes: std::fs::metadata(&source)?.len() as usize,
             source: None,
             peers: Vec::new(),
@@ -98,7 +107,7 @@ impl Contest {
         let written = optimisers::files(source, folder)?;
         let mut paths = vec![source];
         paths.extend(written.iter().filter_map(|peer| peer.file.as_deref()));
-        let mut judged = optimisers::judged(source, &paths)?.into_iter();
+        let mut judged = optimisers::judged(self.skin.as_deref(), source, &paths)?.into_iter();
         self.source = judged.next();
         let own = self.source.as_ref().and_then(|own| own.error_mm);
         ensure!(own == Some(0.0), "the source differs from itself: {own:?}");
@@ -134,8 +143,10 @@ impl Contest {
                 height_px: HEIGHT_PX as f32,
             },
         };
+        let skin = self.skin.as_ref().map(articula::fs::open).transpose()?;
         let options = OptimizeOptions {
             error,
+            skin: skin.map(|skin| Arc::new(skin.into_character())),
             compression: match is_khr {
                 true => Compression::Khr,
                 false => Compression::Ext,
@@ -154,7 +165,9 @@ impl Contest {
         let file = folder.join(format!("ours-{extension}.glb"));
         std::fs::write(&file, &optimized.glb)?;
         let judged = match self.source {
-            Some(_) => optimisers::judged(source, &[&file])?.into_iter().next(),
+            Some(_) => optimisers::judged(self.skin.as_deref(), source, &[&file])?
+                .into_iter()
+                .next(),
             None => None,
         };
         Ok(Entrant {
@@ -212,6 +225,7 @@ pub(super) mod tests {
     pub(in super::super) fn contest() -> Contest {
         Contest {
             name: "a figure",
+            skin: None,
             source_bytes: 1010,
             source: entrant("", 1000, 0.0).judged,
             peers: vec![

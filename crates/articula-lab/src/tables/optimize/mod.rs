@@ -55,13 +55,73 @@ const CHARACTERS: [Entry; 16] = [
     entry("face, 57 morphs", "face/ict_facekit_expressions.glb"),
 ];
 
+/// Libraries of clips without meshes, and the characters that play them.
+const LIBRARIES: [(Entry, &str); 9] = [
+    (
+        entry(
+            "KayKit melee, 22 clips",
+            "glb/kaykit_mannequin/Med_CombatMelee.glb",
+        ),
+        KAYKIT,
+    ),
+    (
+        entry(
+            "KayKit ranged, 20 clips",
+            "glb/kaykit_mannequin/Med_CombatRanged.glb",
+        ),
+        KAYKIT,
+    ),
+    (
+        entry(
+            "KayKit general, 15 clips",
+            "glb/kaykit_mannequin/Med_General.glb",
+        ),
+        KAYKIT,
+    ),
+    (
+        entry(
+            "KayKit movement, 13 clips",
+            "glb/kaykit_mannequin/Med_MovementAdvanced.glb",
+        ),
+        KAYKIT,
+    ),
+    (
+        entry(
+            "KayKit walking, 11 clips",
+            "glb/kaykit_mannequin/Med_MovementBasic.glb",
+        ),
+        KAYKIT,
+    ),
+    (
+        entry(
+            "KayKit work, 14 clips",
+            "glb/kaykit_mannequin/Med_Simulation.glb",
+        ),
+        KAYKIT,
+    ),
+    (
+        entry(
+            "KayKit special, 15 clips",
+            "glb/kaykit_mannequin/Med_Special.glb",
+        ),
+        KAYKIT,
+    ),
+    (
+        entry("viverse walk, 1 clip", "glb/viverse/walk.glb"),
+        VIVERSE,
+    ),
+    (entry("viverse run, 1 clip", "glb/viverse/run.glb"), VIVERSE),
+];
+const KAYKIT: &str = "glb/kaykit_mannequin/manny_med_mod.gltf";
+const VIVERSE: &str = "glb/viverse/mannequin.glb";
+
 /// The character of a small run, which is without peers.
 const SMALL: &str = "head, 17 morphs";
 
 /// The part of the table to run.
 #[derive(clap::Args, Default)]
 pub(crate) struct Choice {
-    /// Run only characters whose names contain this text.
+    /// Run only characters and libraries whose names contain this text.
     #[arg(long)]
     only: Option<String>,
 }
@@ -76,10 +136,16 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
         Some(only) => e.name.contains(only.as_str()),
         None => !run.small || e.name == SMALL,
     };
+    let characters = CHARACTERS.iter().map(|entry| (entry, None));
+    let libraries = LIBRARIES.iter().map(|(entry, skin)| (entry, Some(*skin)));
     let mut all = Vec::new();
-    for entry in CHARACTERS.iter().filter(shown) {
+    for (entry, skin) in characters
+        .chain(libraries)
+        .filter(|(entry, _)| shown(entry))
+    {
         let path = run.data.join(entry.file);
-        let contest = Contest::run(entry.name, &path, has_peers);
+        let skin = skin.map(|skin| run.data.join(skin));
+        let contest = Contest::run(entry.name, &path, skin, has_peers);
         all.push(contest.with_context(|| entry.name)?);
     }
     run.save("optimize", &page::page(&all)?, &page::csv(&all)?)

@@ -22,14 +22,18 @@ Ours is asked for the error of that file, and for 1 px at most, by its own measu
 KHR_meshopt_compression beside all peers, `EXT` is EXT_meshopt_compression beside those that do not need KHR. *Brotli*: the
 ratio of the same two files after brotli at quality 11. Ratios below 1 are for ours. A peer loses what it does not know, such
 as VRM; ours keeps it.
+
+Libraries are files of clips without a mesh. Judge and optimiser pose the vertices of a character whose joints have the same names; a
+file that has lost them moves nothing.
 ";
 
 const TARGETS: &str = "Bytes over those of the smallest peer, with KHR_meshopt_compression.";
 
-const ROWS: &str = "
-## Characters
+const CHARACTERS: &str = "\n## Characters\n";
+const LIBRARIES: &str = "\n## Libraries of clips\n";
 
-| character | source kB | smallest peer | kB | error px | ours kB | error px | KHR ratio | brotli | \
+const ROWS: &str = "
+| file | source kB | smallest peer | kB | error px | ours kB | error px | KHR ratio | brotli | \
 smallest EXT peer | kB | error px | ours kB | error px | EXT ratio | brotli |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
@@ -48,27 +52,15 @@ pub(super) fn page(all: &[Contest]) -> Result<String> {
     let mut page = String::from(HEAD);
     let targets = all_targets(all);
     if !targets.is_empty() {
-        page.push_str(&targets::section(
-            TARGETS,
-            &["characters", "quantity"],
-            &targets,
-        ));
+        page.push_str(&targets::section(TARGETS, &["files", "quantity"], &targets));
     }
-    page.push_str(ROWS);
-    for contest in all {
-        let mut cells = vec![contest.name.to_owned(), kilobytes(contest.source_bytes)];
-        for ours in [true, false].map(|khr| contest.ours.iter().find(|ours| ours.is_khr == khr)) {
-            let peer = ours.and_then(|ours| contest.smallest(ours.is_khr));
-            cells.push(peer.map_or("–".into(), name));
-            for file in [peer, ours] {
-                let bytes = file.map(|file| file.bytes().unwrap_or(file.file_bytes));
-                cells.push(bytes.map_or("–".into(), kilobytes));
-                cells.push(two(file.and_then(Entrant::error_px)));
-            }
-            cells.push(three(ours.and_then(|ours| contest.ratio(ours))));
-            cells.push(three(ours.and_then(|ours| contest.brotli_ratio(ours))));
+    let (libraries, characters): (Vec<&Contest>, _) =
+        all.iter().partition(|contest| contest.skin.is_some());
+    for (head, contests) in [(CHARACTERS, characters), (LIBRARIES, libraries)] {
+        if !contests.is_empty() {
+            page.push_str(head);
+            rows(&contests, &mut page)?;
         }
-        writeln!(page, "| {} |", cells.join(" | "))?;
     }
     page.push_str(BROKEN);
     for contest in all {
@@ -90,25 +82,64 @@ pub(super) fn page(all: &[Contest]) -> Result<String> {
     Ok(page)
 }
 
+fn rows(contests: &[&Contest], page: &mut String) -> Result<()> {
+    page.push_str(ROWS);
+    for contest in contests {
+        let mut cells = vec![contest.name.to_owned(), kilobytes(contest.source_bytes)];
+        for ours in [true, false].map(|khr| contest.ours.iter().find(|ours| ours.is_khr == khr)) {
+            let peer = ours.and_then(|ours| contest.smallest(ours.is_khr));
+            cells.push(peer.map_or("–".into(), name));
+            for file in [peer, ours] {
+                let bytes = file.map(|file| file.bytes().unwrap_or(file.file_bytes));
+                cells.push(bytes.map_or("–".into(), kilobytes));
+                cells.push(two(file.and_then(Entrant::error_px)));
+            }
+            cells.push(three(ours.and_then(|ours| contest.ratio(ours))));
+            cells.push(three(ours.and_then(|ours| contest.brotli_ratio(ours))));
+        }
+        writeln!(page, "| {} |", cells.join(" | "))?;
+    }
+    Ok(())
+}
+
 fn all_targets(all: &[Contest]) -> Vec<Target> {
     let ours = |contest: &'_ Contest| contest.ours.iter().find(|ours| ours.is_khr).cloned();
     let ratio = |contest: &Contest| contest.ratio(&ours(contest)?);
     let brotli = |contest: &Contest| contest.brotli_ratio(&ours(contest)?);
-    let ratios: Vec<f64> = all.iter().filter_map(ratio).collect();
-    let brotlis: Vec<f64> = all.iter().filter_map(brotli).collect();
-    let Some(worst) = ratios.iter().copied().reduce(f64::max) else {
-        return Vec::new();
+    let (libraries, characters): (Vec<&Contest>, Vec<&Contest>) =
+        all.iter().partition(|contest| contest.skin.is_some());
+    let of = |contests: &[&Contest]| -> Vec<f64> {
+        contests
+            .iter()
+            .filter_map(|contest| ratio(contest))
+            .collect()
     };
+    let (ratios, of_libraries) = (of(&characters), of(&libraries));
+    let brotlis: Vec<f64> = characters.iter().filter_map(|c| brotli(c)).collect();
     // An error above what was asked, by the judge, which does not measure what the optimiser did.
     let over = |file: &Entrant| Some(file.error_mm()? / file.asked_mm?);
     let overs = all.iter().flat_map(|contest| &contest.ours);
     let over = overs.filter_map(over).fold(0.0, f64::max);
-    let mut targets = vec![
-        Target::at_most(["every one", "largest ratio"], 1.0, worst),
-        Target::at_most(["all", "median ratio"], 0.85, median(ratios)),
-        Target::at_most(["all", "median ratio after brotli"], 1.0, median(brotlis)),
-        Target::at_most(["all", "judged error over the error asked for"], 1.0, over),
-    ];
+    let mut targets = Vec::new();
+    if let Some(worst) = ratios.iter().copied().reduce(f64::max) {
+        targets.extend([
+            Target::at_most(["every character", "largest ratio"], 1.0, worst),
+            Target::at_most(["characters", "median ratio"], 0.85, median(ratios)),
+            Target::at_most(
+                ["characters", "median ratio after brotli"],
+                1.0,
+                median(brotlis),
+            ),
+        ]);
+    }
+    if let Some(worst) = of_libraries.into_iter().reduce(f64::max) {
+        let labels = ["every library of clips", "largest ratio"];
+        targets.push(Target::at_most(labels, 0.6, worst));
+    }
+    if !targets.is_empty() {
+        let labels = ["all", "judged error over the error asked for"];
+        targets.push(Target::at_most(labels, 1.0, over));
+    }
     let knight = all.iter().find(|contest| contest.name == "KayKit Knight");
     if let Some(ratio) = knight.and_then(ratio) {
         let labels = ["KayKit Knight", "ratio"];
@@ -186,7 +217,7 @@ mod tests {
             "{row}"
         );
         assert!(page.contains("| a figure | peer `-cz` | 0.1 | 90.00 | 90.00 |"));
-        assert!(page.contains("| all | median ratio | ≤ 0.85 | 0.750 | holds |"));
+        assert!(page.contains("| characters | median ratio | ≤ 0.85 | 0.750 | holds |"));
         assert_eq!(csv(&all).unwrap().lines().count(), 6);
     }
 
