@@ -88,6 +88,7 @@ const SEEDS: &[Seeds] = &[
     seeds("mpeg4", b"\x01", &["bap"]),
     seeds("mpeg4", b"\x02", &["epf"]),
     seeds("mpeg4", b"\x03", &["fdp"]),
+    seeds("optimize", b"", &["glb", "gltf", "vrm"]),
     seeds("stream_index", b"", &["auix"]),
     seeds("x3d", b"", &["x3d", "wrl"]),
 ];

@@ -14,6 +14,7 @@ mod console;
 mod fault;
 mod files;
 mod open;
+mod parts_table;
 mod play;
 mod selection;
 mod table;

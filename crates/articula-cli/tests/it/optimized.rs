@@ -162,3 +162,26 @@ fn clips_of_a_folder_are_put_into_one_file_or_each_into_its_own() {
     let refused = fault(&folder, 2, &["optimize", "empty", "out/"]);
     assert!(refused.contains("no character file"), "{refused}");
 }
+
+#[test]
+fn what_would_be_saved_is_told_before_anything_is_written() {
+    let folder = folder("savings");
+    let source = short().to_string_lossy().into_owned();
+    let made = json(&folder, &["optimize", &source, "small.glb"]);
+    let told = json(&folder, &["inspect", &source, "--savings"]);
+    let optimized = &told["optimized"];
+    assert_eq!(optimized["bytes_out"], made["bytes_out"]);
+    assert_eq!(optimized["error_mm"], made["error_mm"]);
+    let sum = |parts: &serde_json::Value| -> u64 {
+        let parts = parts.as_object().unwrap();
+        parts.values().map(|bytes| bytes.as_u64().unwrap()).sum()
+    };
+    // Alignment and heads of chunks count as part of the document.
+    let written = json(&folder, &["inspect", "small.glb"]);
+    assert_eq!(written["parts"], made["after"]);
+    assert!(written["optimized"].is_null());
+    let (parts, bytes) = (sum(&written["parts"]), written["bytes"].as_u64().unwrap());
+    assert!(parts <= bytes && parts + 64 > bytes, "{parts} of {bytes}");
+    let refused = fault(&folder, 2, &["inspect", "--savings", "face.fap"]);
+    assert!(refused.contains("no joints"), "{refused}");
+}

@@ -17,8 +17,10 @@ pub struct BytesByKind {
     pub json: usize,
     /// Keys of animations.
     pub keys: usize,
-    /// Vertices, triangles, morph targets and bind matrices.
+    /// Vertices, triangles and bind matrices.
     pub geometry: usize,
+    /// Morph targets.
+    pub morphs: usize,
     /// Pictures.
     pub textures: usize,
     /// All else, such as prepared data.
@@ -28,7 +30,7 @@ pub struct BytesByKind {
 impl BytesByKind {
     /// The sum.
     pub fn total(&self) -> usize {
-        self.json + self.keys + self.geometry + self.textures + self.other
+        self.json + self.keys + self.geometry + self.morphs + self.textures + self.other
     }
 
     /// The parts of a GLB, as they are stored. Of bytes that are not a GLB, all are JSON.
@@ -74,8 +76,7 @@ fn of_views(json: &Value) -> BytesByKind {
             kinds.insert(view, |bytes| &mut bytes.textures);
         }
     }
-    let mut put = |key: &str, kind: fn(&mut BytesByKind) -> &mut usize| {
-        let mut part = json!({ key: json.get(key) });
+    let mut put = |mut part: Value, kind: fn(&mut BytesByKind) -> &mut usize| {
         each_accessor_reference(&mut part, &mut |i| {
             let accessor = accessors.get(i);
             let views = [
@@ -92,9 +93,20 @@ fn of_views(json: &Value) -> BytesByKind {
             i
         });
     };
-    put("meshes", |bytes| &mut bytes.geometry);
-    put("skins", |bytes| &mut bytes.geometry);
-    put("animations", |bytes| &mut bytes.keys);
+    let part = |key: &str| json!({ key: json.get(key) });
+    let mut without_morphs = part("meshes");
+    for mesh in entries_mut(&mut without_morphs, "meshes") {
+        for primitive in entries_mut(mesh, "primitives") {
+            if let Some(primitive) = primitive.as_object_mut() {
+                primitive.remove("targets");
+            }
+        }
+    }
+    put(without_morphs, |bytes| &mut bytes.geometry);
+    // Of meshes only these are left.
+    put(part("meshes"), |bytes| &mut bytes.morphs);
+    put(part("skins"), |bytes| &mut bytes.geometry);
+    put(part("animations"), |bytes| &mut bytes.keys);
     let mut found = BytesByKind::default();
     for (i, view) in entries_mut(&mut json.clone(), "bufferViews")
         .iter()
@@ -122,10 +134,12 @@ mod tests {
         let compressed = json!({"byteLength": 400, "extensions":
             {"EXT_meshopt_compression": {"byteLength": 40}}});
         let json = json!({
-            "bufferViews": [view(1), compressed, view(100), view(1000), view(10_000)],
-            "accessors": [{"bufferView": 0}, {"bufferView": 1}, {"bufferView": 2}],
+            "bufferViews": [view(1), compressed, view(100), view(1000), view(10_000), view(5)],
+            "accessors": [{"bufferView": 0}, {"bufferView": 1}, {"bufferView": 2}, {"bufferView": 5}],
             "images": [{"bufferView": 3}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "meshes": [{"primitives": [
+                {"attributes": {"POSITION": 0}, "targets": [{"POSITION": 3}, {"POSITION": 0}]},
+            ]}],
             "skins": [{"inverseBindMatrices": 0}],
             "animations": [{"samplers": [{"input": 1, "output": 2}]}],
         });
@@ -134,6 +148,7 @@ mod tests {
             json: 0,
             keys: 140,
             geometry: 1,
+            morphs: 5,
             textures: 1000,
             other: 10_000,
         };

@@ -41,6 +41,8 @@ pub fn inspect_listed(opened: &CharacterFile) -> Inspection {
         format: opened.format().name(),
         name: character.name.clone(),
         bytes: opened.bytes(),
+        parts: None,
+        optimized: None,
         skeletons: vec![skeleton_of(opened)],
         clips: character.clips.iter().map(clip_of).collect(),
         meshes: character.meshes.iter().map(mesh_of).collect(),

@@ -37,6 +37,7 @@ use crate::error::Result;
 use crate::face::FaceLayout;
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
+use crate::optimize::{BytesByKind, OptimizeReport};
 use crate::resampling::ClipResampling;
 use crate::work::Executor;
 use articula_build::joint_names::{
@@ -63,6 +64,10 @@ pub struct Inspection {
     pub name: String,
     /// Size of the file in bytes.
     pub bytes: usize,
+    /// Bytes of the parts of a glTF file; null unless they were asked for ([`BytesByKind::of_glb`]).
+    pub parts: Option<BytesByKind>,
+    /// What an optimised file would save; null unless it was asked for ([`optimize`](crate::optimize::optimize)).
+    pub optimized: Option<OptimizeReport>,
     /// Connected groups of skin joints.
     pub skeletons: Vec<SkeletonInspection>,
     /// The clips.
@@ -265,6 +270,8 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         format: opened.format().name(),
         name: character.name.clone(),
         bytes: opened.bytes(),
+        parts: None,
+        optimized: None,
         skeletons: skeletons_of(figure),
         clips: measured,
         meshes: character.meshes.iter().map(mesh_of).collect(),

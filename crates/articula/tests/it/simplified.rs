@@ -1,14 +1,18 @@
 //! Fewer triangles in optimised files: the surface within the error, no cracks, and what is locked left alone.
 
 use articula::core::Transform;
-use articula::core::source::{Character, Joint, MorphTarget, Primitive, RawMesh, Skeleton, Skin};
-use articula::glam::{Affine3A, Vec2, Vec3};
+use articula::core::source::{
+    Channel, Character, Interpolation, Joint, MorphTarget, Primitive, Property, RawClip, RawMesh,
+    Skeleton, Skin,
+};
+use articula::glam::{Affine3A, Quat, Vec2, Vec3};
 use articula::human::HumanOptions;
 use articula::optimize::{
     ErrorBound, OptimizeLimits, OptimizeOptions, OptimizeReport, Optimized, optimize,
     optimize_to_fit,
 };
-use articula::{CharacterFile, Executor, OpenOptions, open};
+use articula::{CharacterFile, Executor, Format, OpenOptions, convert, open};
+use articula_mutate::{Edit, Mutations};
 use std::collections::{BTreeMap, BTreeSet};
 
 const BOUND: f32 = 2e-3;
@@ -336,4 +340,47 @@ fn a_file_fits_into_limits_at_the_least_error_or_it_is_told_what_is_left() {
         ..OptimizeLimits::default()
     };
     assert!(line(none).contains("the skins have 1, allowed are 0"));
+}
+
+#[test]
+fn a_file_that_was_changed_is_refused_or_made_lighter_within_the_error() {
+    let mut character = raised(4, 0.2);
+    let channel = |property, values: Vec<f32>| Channel {
+        target: 0,
+        property,
+        interpolation: Interpolation::Linear,
+        times_secs: vec![0.0, 0.5, 1.0],
+        values,
+    };
+    let turns = [0.0, 0.4, 0.0].map(|a| Quat::from_rotation_y(a).to_array());
+    character.clips = vec![RawClip {
+        name: "clip".into(),
+        duration_secs: 1.0,
+        channels: vec![
+            channel(Property::Rotation, turns.concat()),
+            channel(Property::Weights, vec![0.0, 1.0, 0.0]),
+        ],
+    }];
+    let opened = CharacterFile::from_character("made", character);
+    let source = convert::write(&opened, Format::Glb).unwrap().bytes;
+    let mutations = Mutations {
+        edits: &[
+            Edit::FlipBit,
+            Edit::Delete(4),
+            Edit::Word(&["0", "-1", "1e99", "null", "[]", "STEP"]),
+        ],
+        most: 2,
+    };
+    let beside = &mut |uri: &str| Err(uri.to_owned());
+    let good = mutations.read_of(&source, 300, |bytes| {
+        let Ok(opened) = open(bytes, "made.glb", &OpenOptions::default(), beside) else {
+            return false;
+        };
+        let Ok(made) = optimize(&opened, &options(), &Executor::default()) else {
+            return false;
+        };
+        assert!(made.report.error_mm <= made.report.bound_mm);
+        open(&made.glb, "out.glb", &OpenOptions::default(), beside).is_ok()
+    });
+    assert!(good > 10 && good < 300, "{good}");
 }

@@ -5,6 +5,7 @@ interface Parts {
   readonly json: number;
   readonly keys: number;
   readonly geometry: number;
+  readonly morphs: number;
   readonly textures: number;
   readonly other: number;
 }
@@ -33,6 +34,7 @@ const NAMES: readonly (readonly [keyof Parts, string])[] = [
   ['json', 'Document (JSON)'],
   ['keys', 'Keys'],
   ['geometry', 'Geometry'],
+  ['morphs', 'Morph targets'],
   ['textures', 'Textures'],
   ['other', 'Other'],
 ];

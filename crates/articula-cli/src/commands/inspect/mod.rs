@@ -16,10 +16,12 @@ use crate::arguments::{CharacterArgs, file, not_negative, settings};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
+use articula::formats::Limits;
 use articula::inspect::{
     FAR_FROM_METRES, WarningInspection, has_too_many_joints, inspect, inspect_listed, joint_levels,
 };
-use articula::{DataFormat, Figure, Format, MotionTables, rig_joint_map};
+use articula::optimize::{BytesByKind, OptimizeOptions, optimize};
+use articula::{CharacterFile, DataFormat, Figure, Format, MotionTables, rig_joint_map};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -45,6 +47,9 @@ pub(crate) struct InspectArgs {
     /// clip-sheet=F.png at moments of a clip (--clip, or the first)
     #[arg(long, value_name = "KEY=FILE,…", value_parser = written_files)]
     write: Option<WrittenFiles>,
+    /// Make a lighter file at the defaults of `optimize`, and tell what it saves; it is not written
+    #[arg(long)]
+    savings: bool,
     /// Name of the only clip to report
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -143,6 +148,12 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.stream = Some(access_units::of(&args.character.file)?);
         findings.tracks = open::tracks(&args.character.file)?;
     }
+    findings.parts = parts(&args.character.file, &figure.opened)?;
+    if args.savings {
+        let options = OptimizeOptions::default();
+        let made = console.work(|work| optimize(&figure.opened, &options, work))?;
+        findings.optimized = Some(made.report);
+    }
     if let Some(far_from_mm) = args.joint_levels {
         let far_from_metres = far_from_mm.map_or(FAR_FROM_METRES, |mm| 1e-3 * mm);
         let found = console.work(|work| joint_levels(&figure, &clips, far_from_metres, work))?;
@@ -174,6 +185,18 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.written.push(shown);
     }
     console.result(&findings, |found| text::of(found, args.map))
+}
+
+/// Bytes of the parts of a glTF file, as they are stored if they are all in it.
+fn parts(path: &Path, opened: &CharacterFile) -> anyhow::Result<Option<BytesByKind>> {
+    match (opened.format(), opened.gltf()) {
+        (Format::Gltf, Some(gltf)) => Ok(Some(gltf.document.bytes_by_kind())),
+        (Format::Glb | Format::Vrm | Format::Vrma, _) => {
+            let bytes = files::read(path, Limits::default().bytes)?;
+            Ok(Some(BytesByKind::of_glb(&bytes)))
+        }
+        _ => Ok(None),
+    }
 }
 
 /// A file without joints.
@@ -226,6 +249,8 @@ fn check_without_joints(args: &InspectArgs) -> anyhow::Result<()> {
         "--joint-levels lists levels of a character; this file has no joints"
     } else if written.is_some_and(|write| write.joint_map.is_some()) {
         "--write joint-map writes the joints of a character; this file has no joints"
+    } else if args.savings {
+        "--savings makes a lighter file of a character; this file has no joints"
     } else if args.face.asks() || written.is_some_and(WrittenFiles::needs_a_mesh) {
         "flags about the face are for characters; this file has no mesh"
     } else {
@@ -239,6 +264,7 @@ impl InspectArgs {
     fn measures(&self) -> bool {
         self.joint_levels.is_some()
             || self.face.asks()
+            || self.savings
             || self.clip.is_some()
             || self.write.is_some()
     }

@@ -2,6 +2,7 @@
 
 use super::{access_units, face, human, joint_levels, mesh_levels, mp4};
 use crate::fault::clean;
+use crate::parts_table::parts_table;
 use crate::table::Table;
 use articula::inspect::{
     ClipInspection, DoubtfulJoint, Extent, Inspection, SkeletonInspection, WarningInspection,
@@ -16,6 +17,7 @@ const MAX_DOUBTS: usize = 12;
 /// Formats all tables; with `map` every joint is listed.
 pub(super) fn of(found: &Inspection, map: bool) -> String {
     let mut text = head(found);
+    text.push_str(&parts(found));
     for skeleton in &found.skeletons {
         text.push_str(&skeleton_text(skeleton));
     }
@@ -107,6 +109,25 @@ fn head(found: &Inspection) -> String {
         counted(found.materials, "materials"),
         counted(found.images, "images")
     ));
+    text
+}
+
+/// Where the bytes are, and what a lighter file would save.
+fn parts(found: &Inspection) -> String {
+    let (stored, lighter) = (found.parts, found.optimized.as_ref());
+    let stored = stored.map(|parts| ("stored", parts));
+    let saved = lighter.map(|report| ("optimised", report.after));
+    let columns: Vec<_> = stored.into_iter().chain(saved).collect();
+    let mut text = String::new();
+    if !columns.is_empty() {
+        text = format!("\n{}", parts_table(&columns).text());
+    }
+    if let Some(report) = lighter {
+        text += &format!(
+            "`optimize` would write {} bytes of {}, with an error in motion of {:.3} mm\n",
+            report.bytes_out, report.bytes_in, report.error_mm
+        );
+    }
     text
 }
 

@@ -1,5 +1,6 @@
 //! What was saved, as text and JSON.
 
+use crate::parts_table::parts_table;
 use crate::table::{Table, counted, warnings};
 use articula::optimize::{
     Fit, MeasuredOn, OptimizeReport, PlatformLimits, TextureContents, TextureOptimized,
@@ -46,20 +47,7 @@ impl OptimizedFile {
     pub(super) fn text(&self) -> String {
         let report = &self.report;
         let mut text = format!("{}: {}\n", self.out, self.saved());
-        let mut parts = Table::new(&["bytes", "before", "after"]);
-        let kinds = [
-            ("document (JSON)", report.before.json, report.after.json),
-            ("keys", report.before.keys, report.after.keys),
-            ("geometry", report.before.geometry, report.after.geometry),
-            ("textures", report.before.textures, report.after.textures),
-            ("other", report.before.other, report.after.other),
-        ];
-        for (name, before, after) in kinds {
-            if before + after > 0 {
-                parts.row([name.to_owned(), before.to_string(), after.to_string()]);
-            }
-        }
-        text += &parts.text();
+        text += &parts_table(&[("before", report.before), ("after", report.after)]).text();
         text += &self.limits();
         if let Some(held) = &self.joints {
             text += &format!(
