@@ -142,10 +142,12 @@ fn drawn(adapted: &AdaptedItem) -> Result<Picture> {
     }
 }
 
-/// A picture as large as fits into the size of a picture, in its own proportions.
+/// A picture reduced to fit into the size of a picture, in its own proportions.
 fn fitted(picture: &Picture) -> Result<Picture, PictureError> {
     let [width, height] = [picture.width(), picture.height()].map(f64::from);
-    let scale = (f64::from(SIZE.0) / width).min(f64::from(SIZE.1) / height);
+    let fits = (f64::from(SIZE.0) / width).min(f64::from(SIZE.1) / height);
+    // Smaller ones are not enlarged.
+    let scale = fits.min(1.0);
     let size = [width, height].map(|v| ((scale * v).round() as u32).max(1));
     let small = picture.resized((size[0], size[1]), articula::flat::Averaging::Light)?;
     let mut page = Picture::new(SIZE.0, SIZE.1, PAPER)?;
