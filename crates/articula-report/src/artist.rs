@@ -5,7 +5,7 @@ use crate::skeleton::{JointMark, draw_skeleton, influencing_joints};
 use articula::Figure;
 use articula::core::{
     Camera, JointArticulation, LocalPose, Mesh, ModelPose, PosedMesh, Region, Rig, SkinnedMesh,
-    Viewport, local_to_model,
+    Viewport, local_to_model, percentile,
 };
 use articula::flat::{
     Appearance, Bounds, Ground, Picture, PictureError, Projection, RenderOptions, orbit_view,
@@ -184,6 +184,22 @@ impl<'a> Artist<'a> {
         self.figure(pose, morphs)
     }
 
+    /// How far two poses are apart as the camera sees them: the 95th percentile over the vertices of the
+    /// skin, or over the joints without one, in metres.
+    pub(crate) fn displacement_m(
+        &mut self,
+        (truth, shown): (&LocalPose, &LocalPose),
+        morphs: &[f32],
+    ) -> f32 {
+        self.pose(truth, morphs);
+        let there = self.points();
+        self.pose(shown, morphs);
+        let forward = self.camera().forward();
+        let apart = self.points().into_iter().zip(there).map(|(a, b)| a - b);
+        let mut across: Vec<f32> = apart.map(|d| d.reject_from(forward).length()).collect();
+        percentile(&mut across, 0.95)
+    }
+
     /// Renders the character with joint marks, and an inset at its size on the screen, where one
     /// metre spans `pixels_per_metre`.
     ///
@@ -210,6 +226,25 @@ impl<'a> Artist<'a> {
             picture.blit(&small, x, y);
         }
         Ok(picture)
+    }
+
+    /// Renders the character at its size on the screen, where one metre spans `pixels_per_metre`; what is
+    /// larger than the picture is cut off.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the picture size is too large.
+    pub(crate) fn at_scale(
+        &mut self,
+        pose: &LocalPose,
+        morphs: &[f32],
+        pixels_per_metre: f32,
+    ) -> Result<Picture, PictureError> {
+        self.pose(pose, morphs);
+        let options = RenderOptions {
+            projection: Projection::Parallel { pixels_per_metre },
+            ..RenderOptions::default()
+        };
+        self.draw(&self.camera(), &options)
     }
 
     /// The posed figure at its size on the screen; `None` if that is too large or too small.
@@ -377,6 +412,8 @@ pub fn evenly_spaced_frames(frames: usize, count: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use articula::core::source::{Joint, Skeleton};
+    use articula::core::{Articulation, Transform};
 
     #[test]
     fn every_point_is_in_the_picture_and_one_is_near_its_edge() {
@@ -409,6 +446,36 @@ mod tests {
         };
         assert_eq!(floor(&bounds(-0.03, 1.8)), 0.0);
         assert_eq!(floor(&bounds(-0.9, 0.9)), -0.9);
+    }
+
+    #[test]
+    fn poses_are_apart_as_the_camera_sees_it() {
+        let root = Joint {
+            name: "root".into(),
+            parent: None,
+            rest: Transform::IDENTITY,
+            in_skin: true,
+        };
+        let articulation = Articulation {
+            profile: String::new(),
+            joints: vec![JointArticulation {
+                hanim: None,
+                level: 0,
+                region: Region::Torso,
+            }],
+        };
+        let skeleton = Skeleton { joints: vec![root] };
+        let rig = Rig::new(&skeleton, articulation).unwrap();
+        let mesh = Mesh::default();
+        let mut artist = Artist::new(&rig, &mesh, Appearance::default(), 0.0, (90, 160));
+        artist.azimuth = 0.0;
+        // The root is kept in place but for its height, which a level camera sees whole.
+        let level = rig.rest_pose().clone();
+        let mut raised = level.clone();
+        raised.translations[0].y += 0.5;
+        let apart = artist.displacement_m((&level, &raised), &[]);
+        assert!((apart - 0.5 * ELEVATION.cos()).abs() < 1e-3, "{apart}");
+        assert_eq!(artist.displacement_m((&level, &level), &[]), 0.0);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A face from the front and from its left with its feature points.
+//! A face from the front and from its left, and its mouth, with its feature points.
 
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
 use crate::paint::{TextStyle, draw_disc, draw_ring, draw_text};
@@ -14,6 +14,10 @@ const TILE: (u32, u32) = (860, 860);
 const FOV_Y_RADIANS: f32 = 0.25;
 /// Blend of the picture towards white, 0 to 1.
 const FADE: f32 = 0.35;
+/// Group of the feature points of the outer lips, in the names of points.
+const OUTER_LIPS: &str = "8.";
+/// Margin around the lips relative to their size.
+const AROUND_MOUTH: f32 = 0.15;
 const HALO: Rgba = [255, 255, 255, 220];
 const INK: Rgba = [20, 22, 28, 255];
 
@@ -30,7 +34,8 @@ pub struct FaceMark {
     pub inside: bool,
 }
 
-/// Draws the face of a figure at rest, with marks, from the front and from its left.
+/// Draws the face of a figure at rest, with marks, from the front and from its left; and, enlarged, its
+/// mouth, if any mark is of its lips.
 /// `facing_radians` is the direction in which the figure faces at rest, from +Z to its left.
 ///
 /// # Errors
@@ -58,13 +63,18 @@ pub fn face_sheet(
     let middle = to_head * bounds.middle();
     let depth_of_head = (bounds.high - bounds.low).length();
     let mut cells = Vec::new();
-    for (azimuth, from_left) in [(0.0, false), (1.3, true)] {
+    let mut views = vec![
+        ("front", bounds, 0.0, false),
+        ("from its left", bounds, 1.3, true),
+    ];
+    views.extend(mouth(marks).map(|lips| ("mouth", lips, 0.0, false)));
+    for (_, bounds, azimuth, from_left) in &views {
         let viewport = Viewport {
             width_px: TILE.0 as f32,
             height_px: TILE.1 as f32,
             fov_y_radians: FOV_Y_RADIANS,
         };
-        let camera = orbit_view(&bounds, facing_radians + azimuth, 0.0, viewport);
+        let camera = orbit_view(bounds, facing_radians + azimuth, 0.0, viewport);
         let options = RenderOptions::default();
         let mut picture = render(mesh, &skinned, look, &camera, &options)?;
         for y in 0..TILE.1 as i32 {
@@ -75,7 +85,7 @@ pub fn face_sheet(
         for mark in marks {
             // The far side of the head hides its points.
             let seen = to_head * mark.place - middle;
-            if seen.x < -1e-4 && from_left || seen.z < -0.25 * depth_of_head && !from_left {
+            if seen.x < -1e-4 && *from_left || seen.z < -0.25 * depth_of_head && !from_left {
                 continue;
             }
             let (at, depth) = camera.project(mark.place);
@@ -88,7 +98,7 @@ pub fn face_sheet(
     ContactSheet {
         title: title.to_owned(),
         notes,
-        columns: vec!["front".to_owned(), "from its left".to_owned()],
+        columns: views.iter().map(|v| v.0.to_owned()).collect(),
         rows: vec![SheetRow {
             label: String::new(),
             cells,
@@ -96,6 +106,17 @@ pub fn face_sheet(
         ..ContactSheet::default()
     }
     .draw()
+}
+
+/// The box around the lips.
+fn mouth(marks: &[FaceMark]) -> Option<Bounds> {
+    let lips = marks.iter().filter(|m| m.name.starts_with(OUTER_LIPS));
+    let lips = Bounds::around(lips.map(|m| (m.place, m.place)))?;
+    let around = Vec3::splat(AROUND_MOUTH * (lips.high - lips.low).length());
+    Some(Bounds {
+        low: lips.low - around,
+        high: lips.high + around,
+    })
 }
 
 fn draw_mark(picture: &mut Picture, at: Vec2, mark: &FaceMark) {
@@ -117,4 +138,28 @@ fn draw_mark(picture: &mut Picture, at: Vec2, mark: &FaceMark) {
         draw_text(picture, x + dx, y + dy, &mark.name, TextStyle::Body, HALO);
     }
     draw_text(picture, x, y, &mark.name, TextStyle::Body, INK);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mouth_is_framed_by_its_outer_lips_alone() {
+        let mark = |name: &str, x: f32| FaceMark {
+            name: name.into(),
+            place: Vec3::new(x, 0.0, 0.0),
+            confidence: 1.0,
+            inside: false,
+        };
+        let marks = [
+            mark("2.1", 9.0),
+            mark("8.3", 1.0),
+            mark("8.4", -1.0),
+            mark("3.8", 5.0),
+        ];
+        let lips = mouth(&marks).unwrap();
+        assert_eq!((lips.low.x, lips.high.x), (-1.3, 1.3));
+        assert_eq!(mouth(&marks[..1]), None);
+    }
 }

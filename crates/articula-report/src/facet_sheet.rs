@@ -31,7 +31,17 @@ pub struct FacetRow<'a> {
     pub triangles: &'a [(u16, [u32; 3])],
 }
 
-/// Draws each choice of triangles in a pose: the whole figure, its face and a hand. Morph targets
+/// Where levels are used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UsedAt {
+    /// Distance from the camera, metres.
+    pub distance_m: f32,
+    /// Pixels of a metre at that distance.
+    pub pixels_per_metre: f32,
+}
+
+/// Draws each choice of triangles in a pose: the whole figure, its face and a hand; and the figure as
+/// large as it is on the screen at the distance where the levels are used, if there is one. Morph targets
 /// stay at rest. `facing_radians` is the direction in which the figure faces at rest, from +Z to
 /// its left.
 ///
@@ -43,7 +53,7 @@ pub struct FacetRow<'a> {
 pub fn facet_sheet(
     (rig, mesh): (&Rig, &Mesh),
     (pose, facing_radians): (&LocalPose, f32),
-    rows: &[FacetRow<'_>],
+    (rows, used_at): (&[FacetRow<'_>], Option<UsedAt>),
     (title, notes): (&str, Vec<String>),
 ) -> Result<Picture, PictureError> {
     let mut drawn = Vec::with_capacity(rows.len());
@@ -54,20 +64,25 @@ pub fn facet_sheet(
         let mut artist = Artist::new(rig, &facets, look, facing_radians, TILE);
         artist.frame_pose(pose, &still);
         let mut cells = vec![SheetCell::of(artist.figure(pose, still.clone())?, "")];
+        let true_size = used_at.map(|at| artist.at_scale(pose, &still, at.pixels_per_metre));
+        let true_size = true_size.transpose()?;
         for (region, azimuth) in [(Region::Face, 0.4), (Region::Hands, 1.2)] {
             artist.azimuth = azimuth;
             artist.frame_region(pose, region);
             cells.push(SheetCell::of(artist.figure(pose, still.clone())?, ""));
         }
+        cells.extend(true_size.map(|picture| SheetCell::of(picture, "")));
         drawn.push(SheetRow {
             label: row.label.to_owned(),
             cells,
         });
     }
+    let mut columns = ["figure", "face", "hand"].map(str::to_owned).to_vec();
+    columns.extend(used_at.map(|at| format!("true size at {:.1} m", at.distance_m)));
     let sheet = ContactSheet {
         title: title.to_owned(),
         notes,
-        columns: ["figure", "face", "hand"].map(str::to_owned).to_vec(),
+        columns,
         rows: drawn,
         explains_joints: false,
     };

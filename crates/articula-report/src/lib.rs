@@ -9,7 +9,7 @@
 //! - [`face_sheet`]: a face with its feature points
 //! - [`morph_target_sheet`], [`clip_sheet`]: the shapes of a face, by morph target and over a clip
 //! - [`facet_sheet`]: a mesh at several choices of levels, every triangle visible
-//! - [`scene_picture`]: renders the crowds of a scene, coloured by level; [`crowd_plots`]: their time and
+//! - [`scene_picture`]: renders the crowds of a scene, in their colours and by level; [`crowd_plots`]: their time and
 //!   error
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
 //!   next to the original clip
@@ -55,6 +55,7 @@ mod plot;
 mod scene_picture;
 mod shape_sheet;
 mod skeleton;
+mod thin;
 mod trace_plots;
 
 pub use artist::{Artist, close_up, evenly_spaced_frames};
@@ -63,7 +64,7 @@ pub use contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 pub use crowd_plots::crowd_plots;
 pub use face_pictures::{clip_sheet, morph_target_sheet};
 pub use face_sheet::{FaceMark, face_sheet};
-pub use facet_sheet::{FacetRow, facet_sheet};
+pub use facet_sheet::{FacetRow, UsedAt, facet_sheet};
 pub use method_lines::{lines_by_distance, lines_by_method};
 pub use method_plots::{
     cost_plots, error_plot, gain_plot, path_plots, schedule_plots, updates_plot,

@@ -1,8 +1,9 @@
 //! Contact sheets of a character at several distances and frames, next to the reference, with marks
 //! on its joints.
 //!
-//! Source: thesis figures 6.16 and 6.17. Each cell shows the original clip and the result of the
-//! method, drawn large; the small figure in the corner has the size on the screen.
+//! Source: thesis figures 6.16 and 6.17. The first row shows the original clip, each further one the
+//! result of a method, drawn large; the small figure in the corner has the size on the screen. Below
+//! each is its error in pixels at that size.
 
 use crate::artist::{Artist, evenly_spaced_frames};
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
@@ -26,7 +27,7 @@ pub struct MotionLine<'a> {
     pub distance_m: f32,
 }
 
-/// Draws a clip and the result of each method, one row per method, at a number of frames.
+/// Draws a clip and, below it, the result of each method, one row per method, at a number of frames.
 ///
 /// # Errors
 /// [`PictureError`] if the page is too large.
@@ -44,11 +45,14 @@ pub fn motion_sheet(
         .map(|f| (&stage.truth[*f], morphs(stage, *f)))
         .collect();
     artist.frame_poses(&poses);
-    let references: Vec<Picture> = frames
-        .iter()
-        .map(|f| artist.reference(&stage.truth[*f], morphs(stage, *f)))
-        .collect::<Result<_, _>>()?;
-    let mut rows = Vec::new();
+    let references = frames.iter().map(|f| {
+        let picture = artist.reference(&stage.truth[*f], morphs(stage, *f))?;
+        Ok(SheetCell::of(picture, ""))
+    });
+    let mut rows = vec![SheetRow {
+        label: "reference".into(),
+        cells: references.collect::<Result<_, PictureError>>()?,
+    }];
     for line in lines {
         let playbacks = play(stage, line.method, line.parameter).1;
         let Some(playback) = playbacks.first() else {
@@ -56,12 +60,16 @@ pub fn motion_sheet(
         };
         let scale = stage.setup.viewport.pixels_per_metre(line.distance_m);
         let mut cells = Vec::new();
-        for (frame, reference) in frames.iter().zip(&references) {
+        for frame in &frames {
             let shown = shown_pose(stage, playback, *frame);
+            let weights = morphs(stage, *frame);
+            let error_px = scale * artist.displacement_m((&stage.truth[*frame], &shown), &weights);
             let marks = marks(stage, line, playback, *frame);
-            let reduced = artist.articulated(&shown, morphs(stage, *frame), &marks, scale)?;
-            let caption = caption(stage, playback, *frame);
-            cells.push(cell(reference.clone(), reduced, caption));
+            let reduced = artist.articulated(&shown, weights, &marks, scale)?;
+            cells.push(SheetCell::of(
+                reduced,
+                caption(stage, playback, *frame, error_px),
+            ));
         }
         rows.push(SheetRow {
             label: line.label.clone(),
@@ -161,9 +169,9 @@ fn cell(reference: Picture, reduced: Picture, caption: String) -> SheetCell {
     }
 }
 
-fn caption(stage: &ClipEvaluator<'_>, playback: &Playback, frame: usize) -> String {
+fn caption(stage: &ClipEvaluator<'_>, playback: &Playback, frame: usize, error_px: f32) -> String {
     let updated = playback.updated[frame].len();
-    format!("{updated} of {} updated", stage.moving.len())
+    format!("{error_px:.2} px, {updated}/{} updated", stage.moving.len())
 }
 
 fn shown_pose(stage: &ClipEvaluator<'_>, playback: &Playback, frame: usize) -> LocalPose {

@@ -65,6 +65,14 @@ impl Scale {
             Self::Logarithmic => Spacing::Logarithmic,
         }
     }
+
+    /// The label of an axis, which says so where equal steps are equal factors.
+    fn named(self, label: &str) -> String {
+        match self {
+            Self::Linear => label.to_owned(),
+            Self::Logarithmic => format!("{label}, geometric scale"),
+        }
+    }
 }
 
 /// Number format of the values of a plot.
@@ -131,7 +139,7 @@ pub fn line_plot(options: &PlotOptions, series: &[Series]) -> String {
             .collect();
         plot.line(i, line, &points);
     }
-    plot.finish(options)
+    plot.finish(options, [options.x, options.y_scale])
 }
 
 /// Returns a bar plot as SVG text, with bars from zero, side by side in each category.
@@ -156,7 +164,7 @@ pub fn bar_plot(options: &PlotOptions, categories: &[String], series: &[BarSerie
             }
         }
     }
-    plot.finish(options)
+    plot.finish(options, [Scale::Linear; 2])
 }
 
 /// The y axis: from zero (or the least value below it) to the greatest value or target.
@@ -300,7 +308,8 @@ impl Canvas {
         }
     }
 
-    fn finish(mut self, options: &PlotOptions) -> String {
+    /// Labels the axes, with their scales, and ends the text.
+    fn finish(mut self, options: &PlotOptions, [x, y]: [Scale; 2]) -> String {
         self.target(options);
         let middle = 0.5 * (self.top + self.bottom());
         let _ = write!(
@@ -310,8 +319,8 @@ impl Canvas {
              text-anchor=\"middle\">{}</text>\n</svg>\n",
             0.5 * (LEFT + WIDTH - RIGHT),
             self.height - 14.0,
-            escaped(&options.x_label),
-            escaped(&options.y_label),
+            escaped(&x.named(&options.x_label)),
+            escaped(&y.named(&options.y_label)),
         );
         self.svg
     }

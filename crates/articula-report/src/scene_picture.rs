@@ -1,29 +1,46 @@
-//! A picture of a scene that is played, each character in the colour of its level.
+//! A picture of a scene that is played: its characters as they look, and in the colours of their levels.
 
-use crate::crowd::CrowdPicture;
+use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
+use crate::crowd::{CrowdColors, CrowdLook, CrowdPicture};
+use articula::core::source::Character;
 use articula::core::{Camera, Viewport};
 use articula::crowd::{CrowdPlayer, ImpostorDraw, PoseSource, ScenePlayer};
 use articula::flat::Picture;
 use glam::Vec3;
 
-/// Maximum number of triangles of skins; the farthest characters beyond it are slivers.
-const MAX_TRIANGLES: usize = 8_000_000;
+/// Number of triangles of skins, farther than which figures are thinned to a fraction of their size.
+const MANY_TRIANGLES: usize = 8_000_000;
+/// This fraction of the radius of a figure.
+const COARSE: f32 = 0.25;
+/// Width of the cells to which figures are thinned, pixels.
+const CELL_PX: f32 = 0.5;
+/// Radius in pixels below which a figure is thinned.
+const SMALL_PX: f32 = 100.0;
 
-/// Draws the evaluated frame of a scene, its views below each other, each of a size in pixels.
+/// Draws the evaluated frame of a scene under a title and notes: each view in the colours of the
+/// characters, and below in those of their levels, with the number of characters of each. Pictures are of
+/// a size in pixels. `characters` are those of the scene's crowds.
 ///
 /// # Errors
 /// [`Error::Unsupported`](articula::Error::Unsupported) if a view has no camera, or a picture error if
 /// the size is too large.
+///
+/// # Panics
+/// If there are fewer characters than crowds, or one belongs to another crowd.
 pub fn scene_picture(
     scene: &ScenePlayer,
+    characters: &[&Character],
     (width, height): (u32, u32),
+    (title, notes): (&str, Vec<String>),
 ) -> articula::Result<Picture> {
-    let mut pictures = Vec::new();
+    let look = CrowdLook::new(characters);
+    let legend = legend(scene);
+    let mut sheet = ContactSheet {
+        title: title.to_owned(),
+        notes,
+        ..ContactSheet::default()
+    };
     for camera in scene.cameras()? {
-        let (mut crowd, drawn) = gathered(scene, &camera);
-        for wall in &scene.scene().walls {
-            crowd.add_wall(wall.centre, 0.5 * wall.size, wall.yaw_radians);
-        }
         let camera = Camera {
             viewport: Viewport {
                 width_px: width as f32,
@@ -32,19 +49,24 @@ pub fn scene_picture(
             },
             ..camera
         };
+        let mut crowd = gathered(scene, &look, &camera);
+        for wall in &scene.scene().walls {
+            crowd.add_wall(wall.centre, 0.5 * wall.size, wall.yaw_radians);
+        }
         // The colours mean the same in all views.
-        let legend = match pictures.is_empty() {
-            true => legend(scene, drawn),
-            false => Vec::new(),
+        let legend = if sheet.rows.is_empty() {
+            &legend[..]
+        } else {
+            &[]
         };
-        pictures.push(crowd.draw(&camera, &legend)?);
+        for colors in [CrowdColors::Own(&look), CrowdColors::Levels(legend)] {
+            sheet.rows.push(SheetRow {
+                label: String::new(),
+                cells: vec![SheetCell::of(crowd.draw(&camera, colors)?, "")],
+            });
+        }
     }
-    let all = height * pictures.len() as u32;
-    let mut sheet = Picture::new(width, all, [255; 4])?;
-    for (i, picture) in pictures.iter().enumerate() {
-        sheet.blit(picture, 0, (i as u32 * height) as i32);
-    }
-    Ok(sheet)
+    Ok(sheet.draw()?)
 }
 
 /// How a character is shown.
@@ -53,9 +75,8 @@ enum Shown<'a> {
     Impostor(ImpostorDraw),
 }
 
-/// The skins of the nearest visible characters, the others as slivers, and the number of those with
-/// skins.
-fn gathered(scene: &ScenePlayer, camera: &Camera) -> (CrowdPicture, usize) {
+/// The skins of all visible characters, of the distant ones as far as pixels tell.
+fn gathered(scene: &ScenePlayer, look: &CrowdLook, camera: &Camera) -> CrowdPicture {
     let sources = scene.crowds().iter().map(CrowdPlayer::sources);
     let sources: Vec<_> = sources.collect();
     let mut draws: Vec<(f32, usize, usize, Shown<'_>)> = Vec::new();
@@ -77,10 +98,10 @@ fn gathered(scene: &ScenePlayer, camera: &Camera) -> (CrowdPicture, usize) {
         }));
     }
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut picture, mut drawn, mut triangles) = (CrowdPicture::default(), 0, 0);
+    let (mut picture, mut triangles) = (CrowdPicture::default(), 0);
     let mut matrices = Vec::new();
     let across = camera.orientation * Vec3::X;
-    for (_, crowd, character, shown) in draws {
+    for (distance_m, crowd, character, shown) in draws {
         let player = &scene.crowds()[crowd];
         let asset = player.asset();
         let Some(level) = player.crowd().level(character) else {
@@ -92,35 +113,38 @@ fn gathered(scene: &ScenePlayer, camera: &Camera) -> (CrowdPicture, usize) {
             // The whole mesh, flat: what the pictures show, without their pixels.
             Shown::Impostor(_) => (&*asset.full().mesh, beyond_levels(scene)),
         };
-        triangles += mesh.triangles.len();
-        if triangles > MAX_TRIANGLES && drawn > 0 {
-            let clip = player.crowd().state(character).clip_state().clip();
-            let bound = asset.model().parts().bounds.clips[clip].whole().sphere;
-            let centre = world.transform_point3(bound.centre);
-            let radius = bound.radius * player.scale(character);
-            picture.add_far(level, centre, radius, across);
-            continue;
-        }
+        let clip = player.crowd().state(character).clip_state().clip();
+        let bound = asset.model().parts().bounds.clips[clip].whole().sphere;
+        let centre = world.transform_point3(bound.centre);
+        let radius = bound.radius * player.scale(character);
+        let pixel_m = 1.0 / camera.viewport.pixels_per_metre(distance_m);
+        let cell_m = match triangles > MANY_TRIANGLES {
+            true => COARSE * radius,
+            false if radius < SMALL_PX * pixel_m => CELL_PX * pixel_m,
+            false => 0.0,
+        };
         match shown {
             Shown::Posed(source) => player.skin_matrices(level, source, &mut matrices),
             Shown::Impostor(draw) => player.impostor_matrices(draw, camera.eye, &mut matrices),
         }
-        picture.add(mesh, level, &matrices, &world);
-        drawn += 1;
+        let pose = (&matrices[..], &world);
+        let added = picture.add((mesh, crowd), level, pose, (look, cell_m));
+        if added == 0 {
+            picture.add_far(level, centre, radius, across);
+        }
+        triangles += added;
     }
-    (picture, drawn)
+    picture
 }
 
-/// The legend: the colour and number of characters of each level, and the number drawn. Where the levels
-/// belong to several characters, what they keep is left out.
-fn legend(scene: &ScenePlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
+/// The legend: the colour and number of characters of each level. Where the levels belong to several
+/// characters, what they keep is left out.
+fn legend(scene: &ScenePlayer) -> Vec<(usize, String)> {
     let mut levels = vec![0; beyond_levels(scene)];
     let mut far = 0;
-    let mut shown = 0;
     for player in scene.crowds() {
         for level in (0..player.positions().len()).filter_map(|c| player.crowd().level(c)) {
             levels[level] += 1;
-            shown += 1;
         }
         // Impostors count as of the coarsest level, whose colour is not theirs.
         let impostors = player.impostors().len();
@@ -141,17 +165,14 @@ fn legend(scene: &ScenePlayer, drawn: usize) -> Vec<(Option<usize>, String)> {
             }
             _ => format!("level {level}: {count}"),
         };
-        (Some(level), text)
+        (level, text)
     };
     let mut lines: Vec<_> = levels.map(line_of).collect();
     if far > 0 {
         lines.push((
-            Some(beyond_levels(scene)),
+            beyond_levels(scene),
             format!("impostors, 2 triangles: {far}"),
         ));
-    }
-    if drawn < shown {
-        lines.push((None, format!("nearest {drawn} with their skins")));
     }
     lines
 }

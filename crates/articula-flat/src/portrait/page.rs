@@ -26,7 +26,9 @@ pub struct PageOptions {
     pub background: Option<EmbeddedFile>,
     /// Sound that the clip is synchronised to.
     pub audio: Option<EmbeddedFile>,
-    /// Whether there are sliders for the head and all expressions.
+    /// Whether the page has its title as a heading, a canvas as large as fits, on which a drag turns the
+    /// head, and buttons and sliders for the head and all expressions. Without them it is the canvas alone,
+    /// in the size of the portrait.
     pub controls: bool,
 }
 
@@ -40,7 +42,14 @@ pub struct PageOptions {
 pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, PortraitError> {
     let mut out = String::from("<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n");
     let _ = writeln!(out, "<title>{}</title>", escaped(&options.title));
-    out.push_str(STYLE);
+    let _ = write!(
+        out,
+        "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}</style>\n"
+    );
+    if options.controls {
+        let title = escaped(&options.title);
+        let _ = writeln!(out, "<body class=\"controlled\">\n<h1>{title}</h1>\n<main>");
+    }
     let (width, height) = portrait.size;
     let _ = writeln!(
         out,
@@ -55,7 +64,7 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
         );
     }
     if options.controls {
-        out.push_str("<div id=\"controls\"></div>\n");
+        out.push_str("<div id=\"controls\"></div>\n</main>\n");
     }
     let _ = write!(
         out,
@@ -97,13 +106,7 @@ fn attribute(text: &str) -> String {
     format!("\"{}\"", escaped(text))
 }
 
-const STYLE: &str = "<style>
-body { margin: 0; font: 14px system-ui, sans-serif; }
-canvas { display: block; }
-#controls { display: grid; grid-template-columns: repeat(auto-fill, minmax(15em, 1fr)); gap: 2px 12px; padding: 8px; }
-#controls label { display: flex; justify-content: space-between; gap: 8px; }
-</style>
-";
+const STYLE: &str = include_str!("page.css");
 
 const SCRIPT: &str = include_str!("page.js");
 
@@ -111,6 +114,20 @@ const SCRIPT: &str = include_str!("page.js");
 mod tests {
     use super::*;
     use crate::markup::quoted;
+
+    #[test]
+    fn the_style_is_of_pages_with_controls_alone() {
+        let plain = ["body { margin: 0;", "canvas { display: block; }"];
+        let rules = STYLE
+            .lines()
+            .filter(|l| l.contains('{') && !l.starts_with(' '));
+        for rule in rules.filter(|l| !l.starts_with("@media")) {
+            let is_plain = plain.iter().any(|p| rule.starts_with(p));
+            let is_ours = rule.starts_with(".controlled") || rule.starts_with("#controls");
+            assert!(is_plain || is_ours, "{rule}");
+        }
+        assert!(!STYLE.contains('<') && !SCRIPT.contains("</"));
+    }
 
     #[test]
     fn names_cannot_leave_their_place() {

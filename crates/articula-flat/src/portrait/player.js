@@ -4,23 +4,27 @@
 //   face.pose({ yaw: 20, pitch: 5, roll: 0 }, { jawOpen: 0.4, eyeBlinkLeft: 1 });
 //   face.play("talk", { audio });                              // audio is an option: the clock
 //
+// Further options of the constructor: `background`, a picture, and `scale`, pixels of the canvas in one of the
+// document.
+//
 // Angles are in degrees: yaw towards the figure's left, pitch down, roll counter-clockwise.
 "use strict";
 
 class ArticulaPortrait {
-  constructor(canvas, json, images, { background = null } = {}) {
+  constructor(canvas, json, images, { background = null, scale = 1 } = {}) {
     const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.json = json;
     this.background = background;
     this.frames = 0;
-    [canvas.width, canvas.height] = json.size;
+    this.scale = scale;
+    [canvas.width, canvas.height] = json.size.map((side) => Math.round(side * scale));
     this.triangles = new Uint16Array(bytes(json.triangles));
     this.count = this.triangles.length / 3;
     this.tilts = new Uint8Array(bytes(json.tilts));
     this.coefficients = new Float32Array(bytes(json.grid.coefficients));
-    const scaled = (steps, scale) => Float32Array.from(steps, (s) => s * scale);
+    const scaled = (steps, step) => Float32Array.from(steps, (s) => s * step);
     this.rest = json.grid.rest.map((m) => scaled(new Int16Array(bytes(m.steps)), m.scale));
     this.expressions = json.expressions.map((e) => {
       const vertices = new Uint16Array(bytes(e.vertices));
@@ -322,7 +326,7 @@ class ArticulaPortrait {
       const context = this.context;
       context.globalAlpha = weight / sum;
       context.fillStyle = view.pattern;
-      context.setTransform(a, b, c, d, e, f);
+      context.setTransform(...[a, b, c, d, e, f].map((x) => x * this.scale));
       context.beginPath();
       for (let i = 0; i < 6; i += 2) {
         const [x, y] = [grown[i] - e, grown[i + 1] - f];

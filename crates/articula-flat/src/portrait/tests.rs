@@ -425,8 +425,17 @@ fn the_document_is_as_its_schema_says() {
         build(&source, &PortraitOptions::default(), &mut Progress::none()).unwrap(),
         portrait
     );
-    let page = page(&portrait, &PageOptions::default()).unwrap();
-    assert_eq!(page.matches("</script>").count(), 2);
+    let plain = page(&portrait, &PageOptions::default()).unwrap();
+    assert_eq!(plain.matches("</script>").count(), 2);
+    assert!(!plain.contains("<main>"), "the canvas alone");
+    let controlled = PageOptions {
+        title: "a <b>".into(),
+        controls: true,
+        ..PageOptions::default()
+    };
+    let controlled = page(&portrait, &controlled).unwrap();
+    assert_eq!(controlled.matches("</script>").count(), 2);
+    assert!(controlled.contains("<h1>a &lt;b&gt;</h1>"));
 }
 
 #[test]

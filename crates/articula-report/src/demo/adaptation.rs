@@ -5,8 +5,8 @@ use crate::artist::Artist;
 use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow};
 use articula::core::{Wrap, sample, sample_morphs};
 use articula::evaluate::EvaluatedClip;
-use articula::flat::Picture;
 use articula::flat::vector::{AnimatedSvg, raster};
+use articula::flat::{Picture, PictureError};
 use articula::item::{
     AdaptOptions, AdaptedItem, Item, PackageOptions, adapt, assemble, decide, package,
 };
@@ -137,9 +137,24 @@ fn drawn(adapted: &AdaptedItem) -> Result<Picture> {
             let moving = AnimatedSvg::read(text)?;
             let still = moving.at(moving.duration_secs / 4.0)?;
             let picture = raster(&still, PAPER)?;
-            Ok(picture.resized(SIZE, articula::flat::Averaging::Light)?)
+            Ok(fitted(&picture)?)
         }
     }
+}
+
+/// A picture reduced to fit into the size of a picture, in its own proportions.
+fn fitted(picture: &Picture) -> Result<Picture, PictureError> {
+    let [width, height] = [picture.width(), picture.height()].map(f64::from);
+    let fits = (f64::from(SIZE.0) / width).min(f64::from(SIZE.1) / height);
+    // Smaller ones are not enlarged.
+    let scale = fits.min(1.0);
+    let size = [width, height].map(|v| ((scale * v).round() as u32).max(1));
+    let small = picture.resized((size[0], size[1]), articula::flat::Averaging::Light)?;
+    let mut page = Picture::new(SIZE.0, SIZE.1, PAPER)?;
+    let left = SIZE.0.saturating_sub(size[0]) / 2;
+    let top = SIZE.1.saturating_sub(size[1]) / 2;
+    page.blit(&small, left as i32, top as i32);
+    Ok(page)
 }
 
 fn figure(item: &Item) -> Result<Picture> {
@@ -155,4 +170,29 @@ fn figure(item: &Item) -> Result<Picture> {
     let mut artist = Artist::of_figure(&figure, SIZE);
     artist.frame_pose(&pose, &morphs);
     Ok(artist.figure(&pose, morphs.clone())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_form_in_2d_keeps_its_proportions() {
+        let ink = [10, 20, 30, 255];
+        for (width, height) in [(460, 300), (100, 300), (115, 150)] {
+            let page = fitted(&Picture::new(width, height, ink).unwrap()).unwrap();
+            assert_eq!((page.width(), page.height()), SIZE);
+            let count = |across: bool| {
+                let places = if across { SIZE.0 } else { SIZE.1 };
+                let at = |i| match across {
+                    true => page.get(i, SIZE.1 / 2),
+                    false => page.get(SIZE.0 / 2, i),
+                };
+                (0..places).filter(|i| at(*i) != Some(PAPER)).count() as f64
+            };
+            let wanted = f64::from(width) / f64::from(height);
+            let found = count(true) / count(false);
+            assert!((found / wanted - 1.0).abs() < 0.02, "{found}, not {wanted}");
+        }
+    }
 }

@@ -72,7 +72,15 @@ pub(super) fn of(
     let mut player = ScenePlayer::new(from_ref(&merged), scene.clone(), evaluated)?;
     player.plan(0.0)?;
     player.evaluate();
-    files.add_png("crowd.png", &scene_picture(&player, PICTURE_PX)?)?;
+    let characters = [figure.opened.character()];
+    let title = format!("A crowd of {COUNT}");
+    let time = format!(
+        "Time {:.3} ms per frame (median), error {:.2} px (p95), {:.2} px (maximum).",
+        seen.frame_ms.median, seen.error_px.p95, seen.error_px.max
+    );
+    let heading = (&title[..], vec![time]);
+    let picture = scene_picture(&player, &characters, PICTURE_PX, heading)?;
+    files.add_png("crowd.png", &picture)?;
     Ok(Crowd {
         characters: COUNT,
         visible: seen.visible,

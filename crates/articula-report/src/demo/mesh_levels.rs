@@ -30,14 +30,20 @@ impl MeshLevels {
     }
 }
 
-/// Draws every level at one time of the clip: the whole figure, its face and a hand.
-pub(super) fn draw(files: &mut DemoFiles, scene: &EvaluatedClip<'_>) -> Result<()> {
+/// Draws every level at one time of the clip: the whole figure, its face and a hand, and the figure as
+/// large as it is where the error of the level is a pixel.
+pub(super) fn draw(
+    files: &mut DemoFiles,
+    scene: &EvaluatedClip<'_>,
+    levels: &MeshLevels,
+) -> Result<()> {
     let meshes = &scene.figure.opened.character().meshes;
     let count = meshes.iter().flat_map(|m| m.clustered.first());
     let count = count.map(|c| c.clusters.levels()).max().unwrap_or(0);
     let mut rows = Vec::with_capacity(count);
     for level in 0..count {
-        rows.push(row(scene, level)?);
+        let error_m = levels.levels.get(level).and_then(|row| row.error_motion_m);
+        rows.push(row(scene, level, error_m.unwrap_or(0.0))?);
     }
     let sheet = ContactSheet {
         title: "Mesh levels in motion".into(),
@@ -47,7 +53,7 @@ pub(super) fn draw(files: &mut DemoFiles, scene: &EvaluatedClip<'_>) -> Result<(
     files.add_png("mesh-levels.png", &sheet.draw()?)
 }
 
-fn row(scene: &EvaluatedClip<'_>, level: usize) -> Result<SheetRow> {
+fn row(scene: &EvaluatedClip<'_>, level: usize, error_m: f32) -> Result<SheetRow> {
     let figure = at_level(scene.figure, level)?;
     let clip = &figure.asset.clips[scene.clip];
     let mut pose = figure.asset.rig.rest_pose().clone();
@@ -57,14 +63,23 @@ fn row(scene: &EvaluatedClip<'_>, level: usize) -> Result<SheetRow> {
     let morphs = figure.asset.mesh.morph_weights.clone();
     let mut artist = Artist::of_figure(&figure, (230, 300));
     artist.frame_pose(&pose, &morphs);
-    let mut pictures = vec![("in motion", artist.figure(&pose, morphs.clone())?)];
+    let mut pictures = vec![(
+        "in motion".to_owned(),
+        artist.figure(&pose, morphs.clone())?,
+    )];
+    // One pixel is the error, whatever the picture.
+    let used = (error_m > 0.0).then(|| artist.at_scale(&pose, &morphs, 1.0 / error_m));
+    let used = used.transpose()?;
     for (caption, region, azimuth) in [("face", Region::Face, 0.4), ("hand", Region::Hands, 1.2)] {
         artist.azimuth = azimuth;
         artist.frame_region(&pose, region);
-        pictures.push((caption, artist.figure(&pose, morphs.clone())?));
+        pictures.push((caption.to_owned(), artist.figure(&pose, morphs.clone())?));
     }
+    let viewport = scene.setup.viewport;
+    let distance_m = error_m * viewport.pixels_per_metre(1.0);
+    pictures.extend(used.map(|picture| (format!("1 px, at {distance_m:.1} m"), picture)));
     let triangles = figure.asset.mesh.triangles.len();
-    let cell = |(caption, picture): (&str, Picture)| SheetCell::of(picture, caption);
+    let cell = |(caption, picture): (String, Picture)| SheetCell::of(picture, caption);
     Ok(SheetRow {
         label: format!("{triangles} triangles"),
         cells: pictures.into_iter().map(cell).collect(),

@@ -69,7 +69,8 @@ impl Demo {
         let costs = Costs::new(&scene.stage(), &nanoseconds);
         draw(&mut files, &scene, &tables)?;
         plot(&mut files, &scene, &tables, &costs);
-        mesh_levels::draw(&mut files, &scene)?;
+        let levels = MeshLevels::new(mesh_levels, mesh_bytes);
+        mesh_levels::draw(&mut files, &scene, &levels)?;
         let flat = flatten::of(&mut files, &scene, work)?;
         let face = face::of(&mut files, figure, work)?;
         let crowd = crowd::of(figure, TARGET_PX, &mut files, work)?;
@@ -87,7 +88,7 @@ impl Demo {
             levels: levels_of(figure),
             costs,
             crowd,
-            mesh_levels: MeshLevels::new(mesh_levels, mesh_bytes),
+            mesh_levels: levels,
             flat,
             face,
             adaptation,

@@ -3,6 +3,7 @@
 //! [`flatten()`] is the complete conversion; [`FramedCharacter`] and [`FramedHead`] give access to
 //! the intermediate steps.
 
+mod alternatives;
 mod expressions;
 mod features;
 mod framed;
@@ -13,6 +14,7 @@ mod report;
 mod shown_clip;
 mod surfaces;
 
+pub use alternatives::{AlternativeMeshes, alternative_meshes};
 pub use framed::{
     FramedCharacter, FramedParts, LEAST_TRIANGLES, LEAST_TRIANGLES_OF_PLAYER, Shot, TriangleCount,
 };

@@ -6,10 +6,10 @@ use crate::fault;
 use crate::files::{self, Files};
 use crate::table::{Table, millimetres};
 use anyhow::Context;
-use articula::core::{ModelPose, Wrap, local_to_model, sample};
+use articula::core::{ModelPose, Viewport, Wrap, local_to_model, sample};
 use articula::flat::Picture;
 use articula::{LevelChoice, MeshView, ShownLevelOptions, ShownLevels, ShownLevelsReport, facing};
-use articula_report::{FacetRow, facet_sheet};
+use articula_report::{FacetRow, UsedAt, facet_sheet};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -96,7 +96,8 @@ impl MeshArgs {
         let Some(path) = &self.mesh_picture else {
             return Ok(None);
         };
-        files::write_png(files, path, &picture(shown)?).map(Some)
+        let picture = picture(shown, self.view.viewport())?;
+        files::write_png(files, path, &picture).map(Some)
     }
 }
 
@@ -126,8 +127,22 @@ fn choice(text: &str) -> Result<LevelChoice, String> {
     Ok(LevelChoice::Regions(named))
 }
 
+/// Where the shown levels are used: the nearest distance at which the view keeps them; else where their
+/// error is a pixel.
+fn used_at(report: &ShownLevelsReport, viewport: Viewport) -> Option<UsedAt> {
+    let in_view = report
+        .view
+        .map(|view| view.from_m.unwrap_or(view.distance_m));
+    let of_a_pixel = || Some(report.error_lod_m? * viewport.pixels_per_metre(1.0));
+    let distance_m = in_view.or_else(of_a_pixel).filter(|metres| *metres > 0.0)?;
+    Some(UsedAt {
+        distance_m,
+        pixels_per_metre: viewport.pixels_per_metre(distance_m),
+    })
+}
+
 /// The original and the chosen levels, in the first clip after a quarter of its time.
-fn picture(shown: &ShownLevels) -> anyhow::Result<Picture> {
+fn picture(shown: &ShownLevels, viewport: Viewport) -> anyhow::Result<Picture> {
     let asset = &shown.asset;
     let mut pose = asset.rig.rest_pose().clone();
     let mut rest = ModelPose::new(asset.rig.len());
@@ -158,7 +173,7 @@ fn picture(shown: &ShownLevels) -> anyhow::Result<Picture> {
     let drawn = facet_sheet(
         (&asset.rig, &asset.mesh),
         (&pose, facing),
-        &rows,
+        (&rows, used_at(report, viewport)),
         ("Mesh levels", notes),
     );
     drawn.context("the picture of mesh levels")

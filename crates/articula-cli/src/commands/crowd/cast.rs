@@ -4,6 +4,7 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::console::Console;
 use crate::{fault, files, open};
 use anyhow::Context;
+use articula::CharacterFile;
 use articula::core::Clip;
 use articula::crowd::{CharacterEntry, CrowdAsset, CrowdOptions, MAX_CHARACTERS, ParsedScene};
 use clap::Args;
@@ -40,6 +41,8 @@ pub(super) struct CastFile {
 #[derive(Debug)]
 pub(super) struct CastAsset {
     pub(super) file: CastFile,
+    /// What the file holds: materials and textures, for pictures.
+    pub(super) opened: CharacterFile,
     pub(super) asset: CrowdAsset,
     pub(super) warnings: Vec<String>,
 }
@@ -106,6 +109,7 @@ impl CastArgs {
         warnings.extend_from_slice(asset.warnings());
         Ok(CastAsset {
             file,
+            opened: figure.opened,
             asset,
             warnings,
         })

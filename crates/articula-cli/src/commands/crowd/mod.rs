@@ -4,6 +4,7 @@ mod cast;
 mod importance;
 mod outputs;
 mod report;
+mod spacing;
 
 use crate::arguments::{field_of_view, not_negative, positive, size};
 use crate::console::Console;
@@ -115,8 +116,8 @@ pub(crate) struct CrowdArgs {
     /// Write a plot of frame time and error over time
     #[arg(long, value_name = "F.svg")]
     plot: Option<PathBuf>,
-    /// Write a picture of the first frame, each character in the colour of its level; the views below
-    /// each other
+    /// Write a picture of the first frame: the characters as they look, and below in the colours of their
+    /// levels; the views below each other
     #[arg(long, value_name = "F.png")]
     picture: Option<PathBuf>,
     /// Write what a GPU reads in the first frame into a folder: palettes of the skin, draws, records,
@@ -338,7 +339,8 @@ impl CrowdArgs {
             None => {
                 let count = self.count.unwrap_or(PLAZA_COUNT);
                 let clips: Vec<usize> = cast.iter().map(|c| c.asset.clips().len()).collect();
-                plaza(count, &clips, self.seed, self.plaza().unwrap_or_default())
+                let scene = plaza(count, &clips, self.seed, self.plaza().unwrap_or_default());
+                spacing::for_sizes(scene, cast.iter().map(|c| &*c.asset.full().mesh))
             }
         };
         self.apply_views(&mut scene)?;

@@ -6,7 +6,7 @@ use super::{CrowdArgs, PICTURE_PX, Piece};
 use crate::fault;
 use crate::files::{self, Files};
 use anyhow::Context;
-use articula::crowd::{CrowdBuffers, ScenePlayer, write_scene};
+use articula::crowd::{CrowdBuffers, SceneMeasurement, ScenePlayer, write_scene};
 use articula_report::{crowd_plots, scene_picture, stacked};
 use std::path::{Path, PathBuf};
 
@@ -80,7 +80,12 @@ impl CrowdArgs {
             report.written.push(files::shown(path));
         }
         if let Some(path) = &self.picture {
-            let picture = scene_picture(&piece.first_frame()?, PICTURE_PX);
+            let characters = piece.cast.iter().map(|c| c.opened.character());
+            let characters: Vec<_> = characters.collect();
+            let (title, notes) = heading(piece, &report.measured);
+            let heading = (&title[..], notes);
+            let frame = piece.first_frame()?;
+            let picture = scene_picture(&frame, &characters, PICTURE_PX, heading);
             let picture = picture.context("drawing the crowd")?;
             let png = picture.to_png().with_context(|| files::shown(path))?;
             files.write(path, &png)?;
@@ -112,6 +117,33 @@ impl Piece {
         player.evaluate();
         Ok(player)
     }
+}
+
+/// Title of the picture and the lines below it: who is drawn, the time of a frame, and the error.
+fn heading(piece: &Piece, measured: &SceneMeasurement) -> (String, Vec<String>) {
+    let names: Vec<&str> = piece.cast.iter().map(|c| c.file.name.as_str()).collect();
+    let title = format!("A crowd of {}: {}", measured.characters, names.join(", "));
+    let bound = measured.error_bound_px;
+    let bound = bound.map_or("full detail".to_owned(), |px| {
+        format!("chosen for {px:.2} px")
+    });
+    let notes = vec![
+        "The first frame: above as it is shown, below in the colours of the levels.".to_owned(),
+        format!(
+            "Over {} frames: time {:.3} ms per frame (median, {} thread{}), error {:.2} px (p95), {:.2} px (maximum), {bound}.",
+            measured.frames,
+            measured.frame_ms.median,
+            measured.threads,
+            if measured.threads == 1 { "" } else { "s" },
+            measured.error_px.p95,
+            measured.error_px.max,
+        ),
+        format!(
+            "In view {}, hidden {}, behind others or walls {} (medians).",
+            measured.visible, measured.hidden, measured.occluded
+        ),
+    ];
+    (title, notes)
 }
 
 /// The folder of each character of a cast: one for each if there are several.

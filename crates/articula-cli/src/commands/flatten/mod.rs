@@ -24,8 +24,8 @@ use articula::flat::vector::player::PlayerOutput;
 use articula::flat::vector::{AnimatedSvg, ThesisForm, ThesisSvgOptions};
 use articula::flatten::{
     BytesPerTriangle, FlatBytes, FlattenReport, FramedCharacter, LEAST_TRIANGLES,
-    LEAST_TRIANGLES_OF_PLAYER, Shot, TriangleCount, flatten_driven, flatten_within, shown_clip,
-    surfaces_shown_otherwise,
+    LEAST_TRIANGLES_OF_PLAYER, Shot, TriangleCount, alternative_meshes, flatten_driven,
+    flatten_within, shown_clip, surfaces_shown_otherwise,
 };
 
 /// Converts, or runs a subcommand.
@@ -80,6 +80,9 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .warnings
         .extend(open::warnings(figure.opened.warnings()));
     report.warnings.extend(surfaces_shown_otherwise(&figure));
+    let asset = &figure.asset;
+    let choices = alternative_meshes(&asset.rig, &asset.mesh);
+    report.warnings.extend(choices.iter().map(report::choice));
     report.warnings.extend(faults);
     let motion = report::motion(&figure, clip, is_held);
     console.result(&report, |report| report::text(report) + &motion)

@@ -18,6 +18,9 @@ use std::path::Path;
 
 /// Yaw angles of the head at which the portrait is compared with the figure, degrees.
 const YAWS_DEG: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
+/// Error above which eyes and mouths of a portrait fall apart, levels of 0 to 255. Heads that hold together
+/// have 4 to 24, those whose eyes do not 36 and more.
+const FALLEN_APART_LEVELS: f64 = 30.0;
 /// Maximum size of an embedded picture or sound in bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
@@ -88,6 +91,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .collect();
     let sizes = FileSize::of(&all)?;
     let counts = portrait.counts();
+    let warning = fallen_apart(&error);
     let report = PortraitReport {
         out: files::shown(args.out()),
         profile: "portrait",
@@ -113,9 +117,24 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         warnings: open::warnings(figure.opened.warnings())
             .into_iter()
             .chain(surfaces_shown_otherwise(&figure))
+            .chain(warning)
             .collect(),
     };
     console.result(&report, PortraitReport::text)
+}
+
+/// A warning, if the portrait is far from the figure.
+fn fallen_apart(errors: &[YawError]) -> Option<String> {
+    let worst = errors
+        .iter()
+        .map(|e| e.image_rmse_levels)
+        .fold(0.0, f64::max);
+    (worst > FALLEN_APART_LEVELS).then(|| {
+        format!(
+            "the portrait is {worst:.0} levels from the figure (bound {FALLEN_APART_LEVELS}), so parts such as \
+             the eyes may fall apart; give more --triangles, or show it in 3D"
+        )
+    })
 }
 
 fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
@@ -149,9 +168,10 @@ fn write(
     let is_page = files::extension(args.out()) == "html";
     let mut all = Vec::new();
     if is_page {
-        let title = portrait.clips.first().map(|c| c.name.clone());
+        let file = args.title();
+        let clip = portrait.clips.first();
         let options = PageOptions {
-            title: title.unwrap_or_else(|| args.title()),
+            title: clip.map_or_else(|| file.clone(), |c| format!("{file}: {}", c.name)),
             background: enclosed(args.special.background.as_deref())?,
             audio: enclosed(args.special.audio.as_deref())?,
             controls: true,
@@ -227,5 +247,24 @@ impl PortraitReport {
             text.push_str(&format!("warning: {warning}\n"));
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_portrait_far_from_the_figure_is_told() {
+        let at = |image_rmse_levels| YawError {
+            yaw_deg: 0.0,
+            image_rmse_levels,
+        };
+        assert_eq!(fallen_apart(&[at(3.9), at(24.3)]), None);
+        let told = fallen_apart(&[at(3.9), at(41.6)]).unwrap();
+        assert!(
+            told.contains("42 levels") && told.contains("--triangles"),
+            "{told}"
+        );
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::fault::clean;
 use articula::Figure;
-use articula::flatten::{FACE_DELTA_E, FlattenReport, LocalDifference, REST_DELTA_E};
+use articula::flatten::{
+    AlternativeMeshes, FACE_DELTA_E, FlattenReport, LocalDifference, REST_DELTA_E,
+};
 
 /// Share of stray pixels, percent of the figure's, above which a file is warned about.
 const STRAY_PERCENT: f64 = 0.02;
@@ -149,5 +151,20 @@ fn difference(worst: &LocalDifference) -> String {
     format!(
         "{:.1} CIELAB units at pixel ({}, {}) of frame {}",
         worst.delta_e, worst.x, worst.y, worst.frame
+    )
+}
+
+/// Tells of meshes in one place, and how to show one of them.
+pub(super) fn choice(choice: &AlternativeMeshes) -> String {
+    let hide = choice
+        .meshes
+        .iter()
+        .skip(1)
+        .map(|name| format!("--hide {name:?}"));
+    format!(
+        "{} meshes are in one place on joint {:?} and may be for choice: show one alone, as by {}",
+        choice.meshes.len(),
+        choice.joint,
+        hide.collect::<Vec<_>>().join(" "),
     )
 }

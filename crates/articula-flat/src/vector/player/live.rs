@@ -66,7 +66,7 @@ pub(crate) fn live_player(
         )
     })?;
     let found = errors(&numbers, &made.motion);
-    Ok(finish(&made, &found, options.output))
+    finish(&made, &found, options.output)
 }
 
 fn mismatch(at: &'static str, what: String) -> PlanarError {

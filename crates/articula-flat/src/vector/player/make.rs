@@ -88,7 +88,7 @@ pub(crate) fn player(
         encode(&tried).len()
     })?;
     let errors = numbers.errors(&made.motion);
-    Ok(finish(&made, &errors, options.output))
+    finish(&made, &errors, options.output)
 }
 
 /// Checks the tolerances.
@@ -109,10 +109,17 @@ pub(super) fn allowed(options: &PlayerOptions) -> Result<Errors, PlanarError> {
 }
 
 /// Text and statistics of a finished clip.
-pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: PlayerOutput) -> PlayerFile {
+///
+/// # Errors
+/// [`PlanarError::Picture`] if the first frame cannot be drawn.
+pub(super) fn finish(
+    made: &PlayerClip,
+    errors: &Errors,
+    output: PlayerOutput,
+) -> Result<PlayerFile, PlanarError> {
     let (container, parts) = encode_parts(made);
-    PlayerFile {
-        text: page(made, &container, output),
+    Ok(PlayerFile {
+        text: page(made, &container, output)?,
         container,
         stats: PlayerStats {
             triangles: made.triangles.len(),
@@ -122,7 +129,7 @@ pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: PlayerOutput) -
             parts,
             script: script(made.shading, !made.inputs.is_empty()).len(),
         },
-    }
+    })
 }
 
 /// The clip without its motion.

@@ -11,6 +11,7 @@ mod clip;
 mod container;
 mod decode;
 mod error;
+mod first_frame;
 mod fit;
 mod live;
 mod make;

@@ -1,10 +1,12 @@
 //! Text of a player file: the script, without the parts that the file does not need, and the clip.
 //!
 //! Source: `docs/methods/vector.md` 8.3. An SVG carries its canvas in a `foreignObject`; in a web
-//! page it works inline, in an `<object>` or in an `<iframe>`, but not in an `<img>`, where scripts
-//! do not run.
+//! page it plays inline, in an `<object>` or in an `<iframe>`. In an `<img>`, where scripts do not run,
+//! and in editors and viewers, it shows its first frame, a picture that the script removes.
 
 use super::clip::PlayerClip;
+use super::first_frame::first_frame;
+use crate::error::PictureError;
 use crate::planar::shading::Shading;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -15,7 +17,7 @@ const SCRIPT: &str = include_str!("player.js");
 /// Kind of file that contains the script player and its clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PlayerOutput {
-    /// An SVG that plays where scripts run.
+    /// An SVG that plays where scripts run, and elsewhere shows its first frame.
     #[default]
     Svg,
     /// A JavaScript module that exports `data` and `mount(canvas, data, element)`, which returns a
@@ -43,18 +45,28 @@ pub(super) fn script(shading: Shading, is_live: bool) -> String {
 }
 
 /// Text of the file of a clip with the given container.
-pub(super) fn page(clip: &PlayerClip, container: &[u8], output: PlayerOutput) -> String {
+///
+/// # Errors
+/// [`PictureError`] if the first frame cannot be drawn.
+pub(super) fn page(
+    clip: &PlayerClip,
+    container: &[u8],
+    output: PlayerOutput,
+) -> Result<String, PictureError> {
     let script = script(clip.shading, !clip.inputs.is_empty());
     let data = BASE64_STANDARD.encode(container);
     let (w, h) = (clip.width, clip.height);
-    match output {
-        PlayerOutput::Svg => format!(
-            r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}"><foreignObject width="{w}" height="{h}"><canvas xmlns="http://www.w3.org/1999/xhtml" style="width:100%;height:100%"></canvas></foreignObject><script><![CDATA[{{let e=document.currentScript.parentNode;({script})(e.querySelector("canvas"),"{data}",e)}}]]></script></svg>"#
-        ),
+    Ok(match output {
+        PlayerOutput::Svg => {
+            let still = BASE64_STANDARD.encode(first_frame(clip)?);
+            format!(
+                r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}"><image width="{w}" height="{h}" href="data:image/webp;base64,{still}"/><foreignObject width="{w}" height="{h}"><canvas xmlns="http://www.w3.org/1999/xhtml" style="width:100%;height:100%"></canvas></foreignObject><script><![CDATA[{{let e=document.currentScript.parentNode;({script})(e.querySelector("canvas"),"{data}",e).then(()=>e.querySelector("image").remove())}}]]></script></svg>"#
+            )
+        }
         PlayerOutput::Module => {
             format!(r#"export const data="{data}",mount=(c,d=data,e=c)=>({script})(c,d,e)"#)
         }
-    }
+    })
 }
 
 #[cfg(test)]

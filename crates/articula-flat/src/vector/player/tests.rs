@@ -7,10 +7,13 @@ use super::error::PlayerError;
 use super::make::PlayerFile;
 use super::*;
 use crate::item_buffer::Supersampling;
+use crate::picture::Picture;
 use crate::planar::clip::fixture::{loose, turning_cube};
 use crate::planar::reference::reference;
 use crate::planar::shading::Shading;
 use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use proptest::prelude::*;
@@ -162,6 +165,29 @@ fn what_the_player_paints_looks_like_the_source() {
         let rmse = crate::compare::rmse(&truth, &found).unwrap();
         assert!(rmse < 3.0, "{rmse} in frame {f}");
     }
+}
+
+#[test]
+fn where_scripts_do_not_run_the_first_frame_is_shown() {
+    let (cube, _, _, file) = cube_file(&PlayerOptions::default());
+    let (_, rest) = file.text.split_once("data:image/webp;base64,").unwrap();
+    let still = BASE64_STANDARD
+        .decode(rest.split('"').next().unwrap())
+        .unwrap();
+    let still = Picture::decode(&still).unwrap();
+    assert_eq!(still.get(0, 0).map(|p| p[3]), Some(0), "no background");
+    for background in [[255; 4], [0, 0, 0, 255]] {
+        let truth = reference(&cube, 0, Supersampling::Four, background).unwrap();
+        let mut found = Picture::new(cube.width, cube.height, background).unwrap();
+        found.blit(&still, 0, 0);
+        let rmse = crate::compare::rmse(&truth, &found).unwrap();
+        assert!(rmse < 5.0, "{rmse} over {background:?}");
+    }
+    let module = PlayerOptions {
+        output: PlayerOutput::Module,
+        ..PlayerOptions::default()
+    };
+    assert!(!cube_file(&module).3.text.contains("data:image"));
 }
 
 #[test]
