@@ -94,6 +94,7 @@ struct Segment {
     last_bucket: u32,
     buckets_per_sec: f32,
     first_matrix: u32,
+    /// Matrices from one palette to the next.
     matrices: u32,
     error_metres: f32,
 }
@@ -104,6 +105,7 @@ struct Steps {
     per_sec: f32,
     last: u32,
     first_matrix: u32,
+    /// Matrices from one palette to the next.
     matrices: u32,
     error_metres: f32,
 }
@@ -127,8 +129,9 @@ pub struct PoseCache {
 
 impl PoseCache {
     /// Combines keys and palettes. `keys` has one entry for each clip, and in it one for each
-    /// level; `None` means that this clip is evaluated at this level. Levels may share palettes,
-    /// and palettes may be in any order.
+    /// level; `None` means that this clip is evaluated at this level. Palettes may be in any order.
+    /// Levels of a clip with the same first matrix share palettes: those of the finest of them, of
+    /// which coarser ones are the first matrices.
     ///
     /// # Errors
     /// A [`Mismatch`] if the palette is of other joint LODs, an entry is missing, times do not rise
@@ -170,45 +173,64 @@ impl PoseCache {
                 let what = format!("{} entries for {levels} levels", of_clip.len());
                 return Err(Mismatch::new(format!("keys[{c}]"), what));
             }
+            let firsts: Vec<_> = of_clip
+                .iter()
+                .map(|keys| Some(keys.as_ref()?.first_matrix))
+                .collect();
             for (level, keys) in of_clip.iter().enumerate() {
-                if let Some(keys) = keys {
-                    cache
-                        .check(keys, level, clips.duration_secs(c))
-                        .map_err(|e| {
-                            Mismatch::new(format!("keys[{c}][{level}].{}", e.at), e.what)
-                        })?;
-                }
-                let segment = keys.as_ref().map(|keys| cache.add(keys, level));
-                cache.segments.push(segment);
+                let Some(keys) = keys else {
+                    cache.segments.push(None);
+                    continue;
+                };
+                let owner = owner(&firsts, level);
+                let stride = cache.entries[owner].max(cache.entries[level]);
+                cache
+                    .check(keys, (level, stride), clips.duration_secs(c))
+                    .map_err(|e| Mismatch::new(format!("keys[{c}][{level}].{}", e.at), e.what))?;
+                let shared = of_clip[owner].as_ref().filter(|_| owner < level);
+                let segment = match cache.segments.get(c * levels + owner) {
+                    Some(Some(of_owner))
+                        if shared.is_some_and(|s| s.times_secs == keys.times_secs) =>
+                    {
+                        Segment {
+                            error_metres: keys.error_metres,
+                            ..*of_owner
+                        }
+                    }
+                    _ => cache.add(keys, stride),
+                };
+                cache.segments.push(Some(segment));
             }
         }
         Ok(cache)
     }
 
-    fn check(&self, keys: &CachedKeys, level: usize, end_secs: f32) -> Result<(), Mismatch> {
+    fn check(&self, keys: &CachedKeys, of: (usize, usize), end_secs: f32) -> Result<(), Mismatch> {
         let times = &keys.times_secs;
         let ends = times.first() == Some(&0.0) && times.last() == Some(&end_secs);
         if !ends || !times.windows(2).all(|w| w[0] < w[1]) {
             let what = format!("must rise from 0 to the clip's end at {end_secs} s");
             return Err(Mismatch::new("times_secs", what));
         }
-        self.check_palettes(times.len(), keys.first_matrix, keys.error_metres, level)
+        self.check_palettes(times.len(), keys.first_matrix, keys.error_metres, of)
     }
 
-    /// Checks the error of so many palettes, and that they are stored.
+    /// Checks the error of so many palettes of a level, which are so many matrices apart, and that they
+    /// are stored.
     fn check_palettes(
         &self,
         count: usize,
         first_matrix: u32,
         error_metres: f32,
-        level: usize,
+        (level, stride): (usize, usize),
     ) -> Result<(), Mismatch> {
         if !error_metres.is_finite() || error_metres < 0.0 {
             let what = "must be finite and not negative";
             return Err(Mismatch::new("error_metres", what));
         }
         let matrices = self.rows.len() / 3;
-        let needed = count.saturating_mul(self.entries[level]);
+        let before = count.saturating_sub(1).saturating_mul(stride);
+        let needed = before.saturating_add(self.entries[level]);
         if needed.saturating_add(first_matrix as usize) > matrices {
             let what = format!(
                 "{needed} matrices from index {first_matrix} exceed the {matrices} that are stored"
@@ -219,7 +241,7 @@ impl PoseCache {
     }
 
     /// Adds palettes that are shown as they are. `steps` has an entry for each clip, and in it one
-    /// for each level; `None` means that no palette is.
+    /// for each level; `None` means that no palette is. Levels share palettes as those of keys do.
     ///
     /// # Errors
     /// A [`Mismatch`] if `clips` are others than those of the cache, an entry is missing, there are
@@ -240,8 +262,14 @@ impl PoseCache {
                 let what = format!("{} entries for {} levels", of_clip.len(), self.levels);
                 return Err(Mismatch::new(format!("steps[{c}]"), what));
             }
+            let firsts: Vec<_> = of_clip
+                .iter()
+                .map(|s| Some(s.as_ref()?.first_matrix))
+                .collect();
             for (level, steps) in of_clip.iter().enumerate() {
-                let made = steps.map(|s| self.placed(s, level, clips.duration_secs(c)));
+                let stride = self.entries[owner(&firsts, level)].max(self.entries[level]);
+                let of = (level, stride);
+                let made = steps.map(|s| self.placed(s, of, clips.duration_secs(c)));
                 let made = made
                     .transpose()
                     .map_err(|e| Mismatch::new(format!("steps[{c}][{level}].{}", e.at), e.what))?;
@@ -252,7 +280,12 @@ impl PoseCache {
         Ok(self)
     }
 
-    fn placed(&self, steps: CachedSteps, level: usize, end_secs: f32) -> Result<Steps, Mismatch> {
+    fn placed(
+        &self,
+        steps: CachedSteps,
+        of: (usize, usize),
+        end_secs: f32,
+    ) -> Result<Steps, Mismatch> {
         let CachedSteps {
             count,
             first_matrix,
@@ -263,20 +296,20 @@ impl PoseCache {
                 format!("{count} palettes for {end_secs} s, from the first to the last time");
             return Err(Mismatch::new("count", what));
         }
-        self.check_palettes(count as usize, first_matrix, error_metres, level)?;
+        self.check_palettes(count as usize, first_matrix, error_metres, of)?;
         let per_sec = (count - 1) as f32 / end_secs;
         Ok(Steps {
             // A clip of almost no duration shows the first palette.
             per_sec: if per_sec.is_finite() { per_sec } else { 0.0 },
             last: count - 1,
             first_matrix,
-            matrices: self.entries[level] as u32,
+            matrices: of.1 as u32,
             error_metres,
         })
     }
 
-    /// Adds checked keys and the table that finds them.
-    fn add(&mut self, keys: &CachedKeys, level: usize) -> Segment {
+    /// Adds checked keys, whose palettes are so many matrices apart, and the table that finds them.
+    fn add(&mut self, keys: &CachedKeys, stride: usize) -> Segment {
         let times = &keys.times_secs;
         let last = times.len() - 1;
         let least = times
@@ -297,7 +330,7 @@ impl PoseCache {
                 count as f32 / times[last]
             },
             first_matrix: keys.first_matrix,
-            matrices: self.entries[level] as u32,
+            matrices: stride as u32,
             error_metres: keys.error_metres,
         };
         if !segment.buckets_per_sec.is_finite() {
@@ -506,6 +539,12 @@ impl PoseCache {
             _ => panic!("the float type of the rows must match the palette form"),
         }
     }
+}
+
+/// The finest level of a clip with the same first matrix as a level.
+fn owner(firsts: &[Option<u32>], level: usize) -> usize {
+    let same = |first: &Option<u32>| first.is_some() && *first == firsts[level];
+    firsts.iter().position(same).unwrap_or(level)
 }
 
 impl Segment {

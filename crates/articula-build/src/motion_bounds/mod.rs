@@ -230,7 +230,7 @@ enum Skin<'a> {
     /// By patches.
     Rigid(&'a Patches),
     /// By patches that morph targets move.
-    Morphed(MorphedSkin<'a>),
+    Morphed(Box<MorphedSkin<'a>>),
 }
 
 impl<'a> BoundedSkin<'a> {
@@ -244,7 +244,7 @@ impl<'a> BoundedSkin<'a> {
             skin: match (mesh.is_empty(), is_morphed) {
                 (true, _) => Skin::Whole,
                 (false, false) => Skin::Rigid(patches),
-                (false, true) => Skin::Morphed(MorphedSkin::new(mesh, patches)),
+                (false, true) => Skin::Morphed(Box::new(MorphedSkin::new(mesh, patches))),
             },
             palette: vec![Affine3A::IDENTITY; mesh.bindings.len()],
             points: Vec::new(),
