@@ -783,6 +783,39 @@ mod tests {
     }
 
     #[test]
+    fn levels_share_the_palettes_of_the_finest() {
+        let rig = rig_of(&[(None, Vec3::ZERO, 0), (Some(0), Vec3::Y, 0)]);
+        let clip = Clip::new("c", 4.0, 5, 2, Tracks::default()).unwrap();
+        let mean = rig.rest_pose();
+        let joint_lods = JointLods::new(&rig, vec![0, 1], vec![2, 1], mean).unwrap();
+        let map = PaletteMap::joints(&joint_lods);
+        let clips = ClipSet::new(&rig, joint_lods, &[clip], ClipStorage::Float).unwrap();
+        let times = [0.0, 0.5, 1.0];
+        // Three keys of two matrices, then three steps of two; the coarser level reads one of the two.
+        let shared = [vec![keys(&times, 0), keys(&times, 0)]];
+        let make = |rows| {
+            PoseCache::new(&clips, &map, &shared, rows)?
+                .with_steps(&clips, &[vec![steps(3, 6), steps(3, 6)]])
+        };
+        let cache = make(rows(12)).unwrap();
+        for level in [0, 1] {
+            let record = cache.locate(0, level, 0.75).unwrap();
+            assert_eq!((record.before, record.after, record.blend), (2, 4, 0.5));
+            assert_eq!(cache.nearest(0, level, 0.75), Some(10));
+        }
+        assert_eq!(cache.keys.len(), 4, "with the end, once for both");
+        let mut out = [[0.0; 4]; 3];
+        let at = cache.locate(0, 1, 0.5).unwrap();
+        cache.blend(1, &[at], Backend::best(), PaletteRows::Float(&mut out));
+        assert_eq!(out.map(|row| row[0]), [6.0, 7.0, 8.0], "matrix 2");
+        assert_eq!(make(rows(11)).unwrap_err().at, "steps[0][0].first_matrix");
+        // Palettes of its own lie without gaps.
+        let own = [vec![keys(&times, 0), keys(&times, 6)]];
+        let cache = PoseCache::new(&clips, &map, &own, rows(9)).unwrap();
+        assert_eq!(cache.locate(0, 1, 0.75).unwrap().before, 7);
+    }
+
+    #[test]
     fn validity_table() {
         let (clips, map) = parts();
         let at = |first, second, rows| {
