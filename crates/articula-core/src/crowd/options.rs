@@ -13,8 +13,8 @@ use super::sources::Source;
 /// of each target in it that is shown.
 const MORPH_SET_NS: f32 = 20.0;
 const MORPH_NS: f32 = 1.5;
-/// What a triangle counts, beside nanoseconds of this processor: those that a renderer takes for many
-/// characters, and as much again so that a level draws few before it poses cheaply.
+/// What a triangle counts beside nanoseconds of this processor: a weight between what is posed and what is
+/// drawn, by which a cached pose of a fine mesh costs more than a blended one of a coarse mesh.
 const TRIANGLE_NS: f32 = 0.05;
 /// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.
 const MESH_NS: f32 = 1e-3;
