@@ -94,6 +94,7 @@ struct Segment {
     last_bucket: u32,
     buckets_per_sec: f32,
     first_matrix: u32,
+    /// Matrices from one palette to the next.
     matrices: u32,
     error_metres: f32,
 }
@@ -104,6 +105,7 @@ struct Steps {
     per_sec: f32,
     last: u32,
     first_matrix: u32,
+    /// Matrices from one palette to the next.
     matrices: u32,
     error_metres: f32,
 }
@@ -127,8 +129,9 @@ pub struct PoseCache {
 
 impl PoseCache {
     /// Combines keys and palettes. `keys` has one entry for each clip, and in it one for each
-    /// level; `None` means that this clip is evaluated at this level. Levels may share palettes,
-    /// and palettes may be in any order.
+    /// level; `None` means that this clip is evaluated at this level. Palettes may be in any order.
+    /// Levels of a clip with the same first matrix share palettes: those of the finest of them, of
+    /// which coarser ones are the first matrices.
     ///
     /// # Errors
     /// A [`Mismatch`] if the palette is of other joint LODs, an entry is missing, times do not rise
@@ -170,45 +173,64 @@ impl PoseCache {
                 let what = format!("{} entries for {levels} levels", of_clip.len());
                 return Err(Mismatch::new(format!("keys[{c}]"), what));
             }
+            let firsts: Vec<_> = of_clip
+                .iter()
+                .map(|keys| Some(keys.as_ref()?.first_matrix))
+                .collect();
             for (level, keys) in of_clip.iter().enumerate() {
-                if let Some(keys) = keys {
-                    cache
-                        .check(keys, level, clips.duration_secs(c))
-                        .map_err(|e| {
-                            Mismatch::new(format!("keys[{c}][{level}].{}", e.at), e.what)
-                        })?;
-                }
-                let segment = keys.as_ref().map(|keys| cache.add(keys, level));
-                cache.segments.push(segment);
+                let Some(keys) = keys else {
+                    cache.segments.push(None);
+                    continue;
+                };
+                let owner = owner(&firsts, level);
+                let stride = cache.entries[owner].max(cache.entries[level]);
+                cache
+                    .check(keys, (level, stride), clips.duration_secs(c))
+                    .map_err(|e| Mismatch::new(format!("keys[{c}][{level}].{}", e.at), e.what))?;
+                let shared = of_clip[owner].as_ref().filter(|_| owner < level);
+                let segment = match cache.segments.get(c * levels + owner) {
+                    Some(Some(of_owner))
+                        if shared.is_some_and(|s| s.times_secs == keys.times_secs) =>
+                    {
+                        Segment {
+                            error_metres: keys.error_metres,
+                            ..*of_owner
+                        }
+                    }
+                    _ => cache.add(keys, stride),
+                };
+                cache.segments.push(Some(segment));
             }
         }
         Ok(cache)
     }
 
-    fn check(&self, keys: &CachedKeys, level: usize, end_secs: f32) -> Result<(), Mismatch> {
+    fn check(&self, keys: &CachedKeys, of: (usize, usize), end_secs: f32) -> Result<(), Mismatch> {
         let times = &keys.times_secs;
         let ends = times.first() == Some(&0.0) && times.last() == Some(&end_secs);
         if !ends || !times.windows(2).all(|w| w[0] < w[1]) {
             let what = format!("must rise from 0 to the clip's end at {end_secs} s");
             return Err(Mismatch::new("times_secs", what));
         }
-        self.check_palettes(times.len(), keys.first_matrix, keys.error_metres, level)
+        self.check_palettes(times.len(), keys.first_matrix, keys.error_metres, of)
     }
 
-    /// Checks the error of so many palettes, and that they are stored.
+    /// Checks the error of so many palettes of a level, which are so many matrices apart, and that they
+    /// are stored.
     fn check_palettes(
         &self,
         count: usize,
         first_matrix: u32,
         error_metres: f32,
-        level: usize,
+        (level, stride): (usize, usize),
     ) -> Result<(), Mismatch> {
         if !error_metres.is_finite() || error_metres < 0.0 {
             let what = "must be finite and not negative";
             return Err(Mismatch::new("error_metres", what));
         }
         let matrices = self.rows.len() / 3;
-        let needed = count.saturating_mul(self.entries[level]);
+        let before = count.saturating_sub(1).saturating_mul(stride);
+        let needed = before.saturating_add(self.entries[level]);
         if needed.saturating_add(first_matrix as usize) > matrices {
             let what = format!(
                 "{needed} matrices from index {first_matrix} exceed the {matrices} that are stored"
@@ -219,7 +241,7 @@ impl PoseCache {
     }
 
     /// Adds palettes that are shown as they are. `steps` has an entry for each clip, and in it one
-    /// for each level; `None` means that no palette is.
+    /// for each level; `None` means that no palette is. Levels share palettes as those of keys do.
     ///
     /// # Errors
     /// A [`Mismatch`] if `clips` are others than those of the cache, an entry is missing, there are
@@ -240,8 +262,14 @@ impl PoseCache {
                 let what = format!("{} entries for {} levels", of_clip.len(), self.levels);
                 return Err(Mismatch::new(format!("steps[{c}]"), what));
             }
+            let firsts: Vec<_> = of_clip
+                .iter()
+                .map(|s| Some(s.as_ref()?.first_matrix))
+                .collect();
             for (level, steps) in of_clip.iter().enumerate() {
-                let made = steps.map(|s| self.placed(s, level, clips.duration_secs(c)));
+                let stride = self.entries[owner(&firsts, level)].max(self.entries[level]);
+                let of = (level, stride);
+                let made = steps.map(|s| self.placed(s, of, clips.duration_secs(c)));
                 let made = made
                     .transpose()
                     .map_err(|e| Mismatch::new(format!("steps[{c}][{level}].{}", e.at), e.what))?;
@@ -252,7 +280,12 @@ impl PoseCache {
         Ok(self)
     }
 
-    fn placed(&self, steps: CachedSteps, level: usize, end_secs: f32) -> Result<Steps, Mismatch> {
+    fn placed(
+        &self,
+        steps: CachedSteps,
+        of: (usize, usize),
+        end_secs: f32,
+    ) -> Result<Steps, Mismatch> {
         let CachedSteps {
             count,
             first_matrix,
@@ -263,20 +296,20 @@ impl PoseCache {
                 format!("{count} palettes for {end_secs} s, from the first to the last time");
             return Err(Mismatch::new("count", what));
         }
-        self.check_palettes(count as usize, first_matrix, error_metres, level)?;
+        self.check_palettes(count as usize, first_matrix, error_metres, of)?;
         let per_sec = (count - 1) as f32 / end_secs;
         Ok(Steps {
             // A clip of almost no duration shows the first palette.
             per_sec: if per_sec.is_finite() { per_sec } else { 0.0 },
             last: count - 1,
             first_matrix,
-            matrices: self.entries[level] as u32,
+            matrices: of.1 as u32,
             error_metres,
         })
     }
 
-    /// Adds checked keys and the table that finds them.
-    fn add(&mut self, keys: &CachedKeys, level: usize) -> Segment {
+    /// Adds checked keys, whose palettes are so many matrices apart, and the table that finds them.
+    fn add(&mut self, keys: &CachedKeys, stride: usize) -> Segment {
         let times = &keys.times_secs;
         let last = times.len() - 1;
         let least = times
@@ -297,7 +330,7 @@ impl PoseCache {
                 count as f32 / times[last]
             },
             first_matrix: keys.first_matrix,
-            matrices: self.entries[level] as u32,
+            matrices: stride as u32,
             error_metres: keys.error_metres,
         };
         if !segment.buckets_per_sec.is_finite() {
@@ -508,6 +541,12 @@ impl PoseCache {
     }
 }
 
+/// The finest level of a clip with the same first matrix as a level.
+fn owner(firsts: &[Option<u32>], level: usize) -> usize {
+    let same = |first: &Option<u32>| first.is_some() && *first == firsts[level];
+    firsts.iter().position(same).unwrap_or(level)
+}
+
 impl Segment {
     /// Bucket of a non-negative time; never falls as the time rises.
     #[inline]
@@ -601,188 +640,4 @@ fn filled(halves: &[u16]) -> [u16; LANES] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::clip::{Clip, Tracks};
-    use crate::clip_set::ClipStorage;
-    use crate::joint_lods::JointLods;
-    use crate::rig::tests::rig_of;
-    use glam::Vec3;
-
-    /// One joint; a clip of a second at 4 Hz and a single pose.
-    fn parts() -> (ClipSet, PaletteMap) {
-        let rig = rig_of(&[(None, Vec3::ZERO, 0)]);
-        let clip = |frames| Clip::new("c", 4.0, frames, 1, Tracks::default()).unwrap();
-        let joint_lods = JointLods::whole(&rig).unwrap();
-        let map = PaletteMap::joints(&joint_lods);
-        let clips = [clip(5), clip(1)];
-        (
-            ClipSet::new(&rig, joint_lods, &clips, ClipStorage::Float).unwrap(),
-            map,
-        )
-    }
-
-    fn keys(times: &[f32], first_matrix: u32) -> Option<CachedKeys> {
-        Some(CachedKeys {
-            times_secs: times.to_vec(),
-            first_matrix,
-            error_metres: 0.25,
-        })
-    }
-
-    fn rows(matrices: u16) -> CachedRows {
-        let row = |i: u16| [f32::from(i), 0.0, -1.0, 0.5];
-        CachedRows::Float((0..matrices * 3).map(row).collect())
-    }
-
-    #[test]
-    fn by_hand() {
-        let (clips, map) = parts();
-        // The single pose is the first palette.
-        let all = [
-            vec![keys(&[0.0, 0.125, 0.25, 1.0], 1)],
-            vec![keys(&[0.0], 0)],
-        ];
-        let cache = PoseCache::new(&clips, &map, &all, rows(5)).unwrap();
-        let record = |clip, secs| {
-            let r = cache.locate(clip, 0, secs).unwrap();
-            (r.before, r.after, r.blend)
-        };
-        let expected = [
-            (0.0, (1, 2, 0.0)),
-            (0.0625, (1, 2, 0.5)),
-            (0.125, (2, 3, 0.0)),
-            (0.25, (3, 4, 0.0)),
-            (0.4375, (3, 4, 0.25)),
-            (1.0, (4, 4, 0.0)),
-            (7.0, (4, 4, 0.0)),
-            (f32::INFINITY, (4, 4, 0.0)),
-            (-3.0, (1, 2, 0.0)),
-            (f32::NEG_INFINITY, (1, 2, 0.0)),
-            (f32::NAN, (1, 2, 0.0)),
-        ];
-        for (secs, expected) in expected {
-            assert_eq!(record(0, secs), expected, "at {secs} s");
-            assert_eq!(record(1, secs), (0, 0, 0.0), "a single pose at {secs} s");
-        }
-        let mut out = [[0.0; 4]; 3];
-        let at = cache.locate(0, 0, 0.4375).unwrap();
-        cache.blend(0, &[at], Backend::best(), PaletteRows::Float(&mut out));
-        // Matrix 3 begins with row 9, matrix 4 with row 12: a quarter of the way.
-        assert_eq!(out[1], [10.75, 0.0, -1.0, 0.5]);
-        assert_eq!(cache.error_metres(0, 0), Some(0.25));
-        assert_eq!(
-            (cache.step_error_metres(0, 0), cache.nearest(0, 0, 0.0)),
-            (None, None)
-        );
-        assert_eq!(cache.rows().len(), 5 * 3);
-        assert_eq!(
-            (cache.clips(), cache.levels(), cache.matrices(0)),
-            (2, 1, 1)
-        );
-        let times: Vec<f32> = cache.times_secs(0, 0).unwrap().collect();
-        assert_eq!(times, [0.0, 0.125, 0.25, 1.0]);
-    }
-
-    fn steps(count: u32, first_matrix: u32) -> Option<CachedSteps> {
-        Some(CachedSteps {
-            count,
-            first_matrix,
-            error_metres: 0.5,
-        })
-    }
-
-    #[test]
-    fn steps_by_hand() {
-        let (clips, map) = parts();
-        let cache = |all: &[Vec<Option<CachedSteps>>]| {
-            PoseCache::new(&clips, &map, &[vec![None], vec![None]], rows(9))
-                .unwrap()
-                .with_steps(&clips, all)
-        };
-        // Five palettes, a quarter of a second apart.
-        let made = cache(&[vec![steps(5, 3)], vec![steps(1, 2)]]).unwrap();
-        for (secs, first_matrix) in [
-            (0.0, 3),
-            (0.12, 3),
-            (0.125, 4),
-            (0.25, 4),
-            (0.8, 6),
-            (0.9, 7),
-            (1.0, 7),
-            (9.0, 7),
-            (f32::INFINITY, 7),
-            (-3.0, 3),
-            (f32::NEG_INFINITY, 3),
-            (f32::NAN, 3),
-        ] {
-            assert_eq!(made.nearest(0, 0, secs), Some(first_matrix), "at {secs} s");
-            assert_eq!(
-                made.nearest(1, 0, secs),
-                Some(2),
-                "a single pose at {secs} s"
-            );
-        }
-        assert_eq!(made.step_error_metres(0, 0), Some(0.5));
-        assert_eq!(made.error_metres(0, 0), None);
-        let at = |all: &[Vec<Option<CachedSteps>>]| cache(all).unwrap_err().at;
-        assert_eq!(at(&[vec![None]]), "steps");
-        assert_eq!(at(&[vec![None], vec![]]), "steps[1]");
-        assert_eq!(at(&[vec![steps(0, 0)], vec![None]]), "steps[0][0].count");
-        assert_eq!(at(&[vec![steps(1, 0)], vec![None]]), "steps[0][0].count");
-        assert_eq!(
-            at(&[vec![None], vec![steps(8, 2)]]),
-            "steps[1][0].first_matrix"
-        );
-        let beyond = [vec![steps(u32::MAX, u32::MAX)], vec![None]];
-        assert_eq!(at(&beyond), "steps[0][0].first_matrix");
-        let nan = steps(5, 0).map(|s| CachedSteps {
-            error_metres: f32::NAN,
-            ..s
-        });
-        assert_eq!(at(&[vec![nan], vec![None]]), "steps[0][0].error_metres");
-    }
-
-    #[test]
-    fn validity_table() {
-        let (clips, map) = parts();
-        let at = |first, second, rows| {
-            let all = [vec![first], vec![second]];
-            PoseCache::new(&clips, &map, &all, rows)
-                .map_err(|e| e.at)
-                .err()
-        };
-        let single = || keys(&[0.0], 0);
-        assert_eq!(at(None, None, rows(0)), None, "all are evaluated");
-        assert_eq!(at(keys(&[0.0, 1.0], 0), single(), rows(2)), None);
-        let times = [
-            &[0.0][..],
-            &[],
-            &[0.1, 1.0],
-            &[0.0, 0.5],
-            &[0.0, 0.5, 0.5, 1.0],
-            &[0.0, f32::NAN, 1.0],
-        ];
-        for times in times {
-            let found = at(keys(times, 0), single(), rows(9));
-            assert_eq!(found.as_deref(), Some("keys[0][0].times_secs"), "{times:?}");
-        }
-        let beyond = at(single().filter(|_| false), keys(&[0.0], 2), rows(2));
-        assert_eq!(beyond.as_deref(), Some("keys[1][0].first_matrix"));
-        let nan = single().map(|k| CachedKeys {
-            error_metres: f32::NAN,
-            ..k
-        });
-        assert_eq!(
-            at(None, nan, rows(2)).as_deref(),
-            Some("keys[1][0].error_metres")
-        );
-        let odd = CachedRows::Float(vec![[0.0; 4]; 4]);
-        assert_eq!(at(None, None, odd).as_deref(), Some("rows"));
-        let at = |all: &[Vec<Option<CachedKeys>>]| {
-            PoseCache::new(&clips, &map, all, rows(1)).unwrap_err().at
-        };
-        assert_eq!(at(&[vec![None]]), "keys");
-        assert_eq!(at(&[vec![None], vec![]]), "keys[1]");
-    }
-}
+mod tests;

@@ -48,7 +48,8 @@ pub struct Crowd {
 impl Crowd {
     /// A crowd at the origin that plays the first clip. `options` is JSON: `{clips?: string[], events?: {[clip: string]: {secs:
     /// number, id: number}[]}, meshLevels?: number, poseCache?: boolean, rootMotion?: "in-place" | "as-authored" |
-    /// "extracted"}`; without it all clips in place, without events, the mesh levels of the file, and cached poses.
+    /// "extracted"}`; without it all clips in place, without events, the mesh levels of the asset or, of
+    /// a file that is none, up to six, and cached poses.
     ///
     /// Throws for options that are not these, a clip that the file lacks or an event outside of its clip, and more
     /// characters than memory holds.

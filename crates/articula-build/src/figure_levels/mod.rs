@@ -24,6 +24,9 @@ use chain::Candidate;
 use glam::{Affine3A, Vec3};
 use measure::{DisplayedLevel, LevelMeasurement};
 
+/// Maximum number of levels beyond those of joints alone, since there are meshes to choose from too.
+const MORE_LEVELS: usize = 2;
+
 /// Limits on influences that are tried, besides the number that the joint LOD has.
 const INFLUENCES: [usize; 3] = [4, 2, 1];
 
@@ -57,7 +60,7 @@ impl FigureLevels {
 /// mesh level over the vertices of the asset's mesh, the original first. `poses` are positions of
 /// all vertices, the rest pose first; they determine which point of a level corresponds to which
 /// vertex ([`attach`]). Tolerances start at `opts.first_metres` and grow by half an octave; there
-/// are at most `opts.max_levels` levels.
+/// are at most two levels more than `opts.max_levels`.
 ///
 /// # Errors
 /// A [`Mismatch`] if an argument belongs to another character, or a level has no triangle.
@@ -93,7 +96,7 @@ pub fn figure_levels(
     let chosen = chain::choose(
         candidates,
         opts.first_metres,
-        opts.max_levels.min(JointLods::MAX_LEVELS),
+        (opts.max_levels.saturating_add(MORE_LEVELS)).min(JointLods::MAX_LEVELS),
     );
     // A sample decides which levels there are; their errors are those of every vertex.
     let every = Watched::every(mesh, opts.vertices, opts.seed).of_triangles(&mesh.triangles);

@@ -2,20 +2,23 @@
 //!
 //! Source: `docs/methods/motion-lod.md` part 5. The skin is posed one or more times between every
 //! two frames; its motion between these times is covered by a bound on its speed. The bounds
-//! therefore hold for every vertex at every time, not only at the sampled ones.
+//! therefore hold for every vertex at every time, not only at the sampled ones. Vertices are left out
+//! where the box around their [patch](patches) lies within the bound that is known by then.
 //!
 //! Without a mesh the joints are the skin, each with the minimum lever around it. Morph weights
 //! follow the clip; a face that is driven otherwise needs a margin.
 
+mod patches;
 pub(crate) mod reach;
 
 use crate::character::Asset;
 use crate::motion_error::joint_lever::JointLever;
 use articula_core::{
     Bound, Clip, ClipBounds, LocalPose, Mismatch, MotionBounds, PosedMesh, SkinnedMesh, Sphere,
-    Wrap, sample, sample_morphs,
+    Wrap, palette, sample, sample_morphs,
 };
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
+use patches::{MorphedSkin, Patches};
 use reach::Reach;
 use std::ops::RangeInclusive;
 
@@ -41,48 +44,68 @@ pub fn motion_bounds(asset: &Asset, margin_metres: f32) -> Result<MotionBounds, 
         return Err(Mismatch::new("margin_metres", what));
     }
     let reach = Reach::new(asset);
+    let patches = Patches::new(&asset.mesh);
     let margin = margin_metres + ROUNDING_METRES;
     let clips = asset.clips.iter();
-    let measured = clips.map(|clip| measure(asset, &reach, clip, margin));
+    let measured = clips.map(|clip| {
+        let skin = BoundedSkin::new(asset, &patches, clip);
+        measure(asset, &reach, skin, margin)
+    });
     Ok(MotionBounds {
         clips: measured.collect::<Result<_, _>>()?,
         reach_metres: reach.anchor_metres() + margin,
     })
 }
 
-fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<ClipBounds, Mismatch> {
-    let mut body = Body::new(asset);
+fn measure(
+    asset: &Asset,
+    reach: &Reach,
+    mut skin: BoundedSkin<'_>,
+    margin: f32,
+) -> Result<ClipBounds, Mismatch> {
+    let clip = skin.clip;
     let sample_times = sample_times(asset, reach, clip);
     let mut anchor = Corners::NOTHING;
     let mut boxes = vec![Corners::NOTHING; ClipBounds::count(clip.duration_secs())];
     for sample in &sample_times {
-        let skin = body.pose(clip, sample.secs);
+        skin.pose(sample.secs);
         let mut around = Corners::NOTHING;
-        for p in skin {
-            around.hold(*p, sample.slack);
-        }
-        for second in sample.seconds.clone() {
-            boxes[second].join(&around);
+        let seconds = &mut boxes[sample.seconds.clone()];
+        let is_within = |least: Vec3, greatest: Vec3| {
+            let slack = Vec3::splat(sample.slack);
+            let mut seconds = seconds.iter();
+            seconds.all(|known| known.holds(least - slack, greatest + slack))
+        };
+        skin.beyond(is_within, |p| around.hold(p, sample.slack));
+        for second in seconds {
+            second.join(&around);
         }
         let at = reach
             .anchor()
-            .map_or(Vec3::ZERO, |j| body.posed.model.position(j));
+            .map_or(Vec3::ZERO, |j| skin.body.posed.model.position(j));
         anchor.hold(at, sample.slack);
     }
     // The sphere of a second is centred in its box and just encloses the skin: it is smaller than
     // one around the corners of the box.
     let mut radii = vec![0.0f32; boxes.len()];
     for sample in &sample_times {
-        let skin = body.pose(clip, sample.secs);
+        skin.pose(sample.secs);
         for second in sample.seconds.clone() {
             let middle = boxes[second].middle();
-            let squared = skin.iter().map(|p| p.distance_squared(middle));
-            let farthest = squared.fold(0.0, f32::max).sqrt() + sample.slack;
-            radii[second] = radii[second].max(farthest);
+            let known = radii[second] - sample.slack;
+            let is_within = |least: Vec3, greatest: Vec3| {
+                let corner = (least - middle).abs().max((greatest - middle).abs());
+                corner.length() <= known
+            };
+            let mut squared = 0.0f32;
+            skin.beyond(is_within, |p| {
+                squared = squared.max(p.distance_squared(middle));
+            });
+            radii[second] = radii[second].max(squared.sqrt() + sample.slack);
         }
     }
     let bounds = boxes.iter().zip(radii).map(|(corners, radius)| {
-        let out = margin + body.floor;
+        let out = margin + skin.body.floor;
         let sphere = Sphere {
             centre: corners.middle(),
             radius: radius + out,
@@ -175,6 +198,11 @@ impl Corners {
         self.is_finite &= point.is_finite() && slack.is_finite();
     }
 
+    /// Whether a box lies within, which one that is not finite does not.
+    fn holds(&self, least: Vec3, greatest: Vec3) -> bool {
+        least.cmpge(self.least).all() && greatest.cmple(self.greatest).all()
+    }
+
     fn join(&mut self, other: &Self) {
         self.least = self.least.min(other.least);
         self.greatest = self.greatest.max(other.greatest);
@@ -183,6 +211,72 @@ impl Corners {
 
     fn middle(&self) -> Vec3 {
         0.5 * (self.least + self.greatest)
+    }
+}
+
+/// The skin of a character in a clip, of which only what may lie beyond a bound is posed.
+struct BoundedSkin<'a> {
+    body: Body<'a>,
+    clip: &'a Clip,
+    skin: Skin<'a>,
+    palette: Vec<Affine3A>,
+    points: Vec<Vec3>,
+}
+
+/// How the points of a skin are found.
+enum Skin<'a> {
+    /// All of them, as of a character without a mesh.
+    Whole,
+    /// By patches.
+    Rigid(&'a Patches),
+    /// By patches that morph targets move.
+    Morphed(Box<MorphedSkin<'a>>),
+}
+
+impl<'a> BoundedSkin<'a> {
+    fn new(asset: &'a Asset, patches: &'a Patches, clip: &'a Clip) -> Self {
+        let mesh = &*asset.mesh;
+        let is_morphed = mesh.morph_weights.iter().any(|w| *w != 0.0)
+            || !(mesh.morphs.is_empty() || clip.tracks().morphs.is_empty());
+        Self {
+            body: Body::new(asset),
+            clip,
+            skin: match (mesh.is_empty(), is_morphed) {
+                (true, _) => Skin::Whole,
+                (false, false) => Skin::Rigid(patches),
+                (false, true) => Skin::Morphed(Box::new(MorphedSkin::new(mesh, patches))),
+            },
+            palette: vec![Affine3A::IDENTITY; mesh.bindings.len()],
+            points: Vec::new(),
+        }
+    }
+
+    fn pose(&mut self, secs: f64) {
+        let body = &mut self.body;
+        if let Skin::Whole = self.skin {
+            body.pose(self.clip, secs);
+            return;
+        }
+        body.pose_joints(self.clip, secs);
+        palette(&body.asset.mesh, &body.posed.model, &mut self.palette);
+        if let Skin::Morphed(skin) = &mut self.skin {
+            sample_morphs(self.clip, secs, Wrap::Clamp, &mut body.morph_weights);
+            skin.set(&body.morph_weights);
+        }
+    }
+
+    /// Calls `see` with the points of the skin, but for those around which there is a box, given by two
+    /// corners, that is within what is known.
+    fn beyond(&mut self, is_within: impl FnMut(Vec3, Vec3) -> bool, mut see: impl FnMut(Vec3)) {
+        let (palette, points) = (&self.palette[..], &mut self.points);
+        match &self.skin {
+            Skin::Whole => self.body.skinned.positions.iter().for_each(|p| see(*p)),
+            Skin::Rigid(patches) => {
+                let mesh = &*self.body.asset.mesh;
+                patches.beyond((mesh, palette, points), is_within, see);
+            }
+            Skin::Morphed(skin) => skin.beyond(palette, points, is_within, see),
+        }
     }
 }
 
@@ -219,11 +313,16 @@ impl<'a> Body<'a> {
         }
     }
 
-    pub(crate) fn pose(&mut self, clip: &Clip, secs: f64) -> &[Vec3] {
-        let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
-        sample(clip, secs, Wrap::Clamp, &rig.all(), &mut self.local);
-        sample_morphs(clip, secs, Wrap::Clamp, &mut self.morph_weights);
+    fn pose_joints(&mut self, clip: &Clip, secs: f64) {
+        let joints = self.asset.rig.all();
+        sample(clip, secs, Wrap::Clamp, &joints, &mut self.local);
         self.posed.pose(&self.local);
+    }
+
+    pub(crate) fn pose(&mut self, clip: &Clip, secs: f64) -> &[Vec3] {
+        self.pose_joints(clip, secs);
+        let mesh = &self.asset.mesh;
+        sample_morphs(clip, secs, Wrap::Clamp, &mut self.morph_weights);
         if mesh.is_empty() {
             for (joint, p) in self.skinned.positions.iter_mut().enumerate() {
                 *p = self.posed.model.position(joint);
@@ -232,5 +331,52 @@ impl<'a> Body<'a> {
             self.posed.skin(&self.morph_weights, &mut self.skinned);
         }
         &self.skinned.positions
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::joint_lods::test_figures::{arm, moving};
+    use articula_core::{Morph, Track, Tracks};
+    use glam::Quat;
+    use std::sync::Arc;
+
+    #[test]
+    fn bounds_are_those_of_the_whole_skin() {
+        let mut asset = arm(6);
+        let turn = |i: usize| Quat::from_rotation_z(0.3 * i as f32) * Quat::from_rotation_x(0.2);
+        let turns: Vec<Quat> = (0..90).map(turn).collect();
+        asset.clips = vec![moving(6, 2, &turns), moving(6, 4, &turns[..7])];
+        let tracks = Tracks {
+            morphs: vec![Track {
+                target: 0,
+                step: false,
+                values: (0..20).map(|i| 0.1 * i as f32 - 0.5).collect(),
+            }],
+            ..Tracks::default()
+        };
+        asset
+            .clips
+            .push(Clip::new("bulge", 30.0, 20, 6, tracks).unwrap());
+        let mesh = Arc::make_mut(&mut asset.mesh);
+        mesh.morph_weights = vec![0.0];
+        mesh.morphs = vec![Morph {
+            slot: 0,
+            vertices: vec![1, 11, 40],
+            positions: vec![Vec3::X, Vec3::new(0.1, -2.0, 0.3), Vec3::splat(0.7)],
+            normals: vec![Vec3::ZERO; 3],
+        }];
+        let reach = Reach::new(&asset);
+        let patches = Patches::new(&asset.mesh);
+        for clip in &asset.clips {
+            let bounded = BoundedSkin::new(&asset, &patches, clip);
+            let whole = BoundedSkin {
+                skin: Skin::Whole,
+                ..BoundedSkin::new(&asset, &patches, clip)
+            };
+            let found = [bounded, whole].map(|skin| measure(&asset, &reach, skin, 0.1).unwrap());
+            assert_eq!(found[0], found[1], "{}", clip.name);
+        }
     }
 }

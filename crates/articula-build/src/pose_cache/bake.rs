@@ -21,34 +21,48 @@ struct Run {
     list: &'static str,
 }
 
+/// The first of the levels of a clip that share palettes, at each level: the finest one, whose palettes
+/// begin with those of the others.
+fn owners<T>(of_clip: &[Option<T>], first: impl Fn(&T) -> u32) -> Vec<usize> {
+    let firsts: Vec<Option<u32>> = of_clip.iter().map(|of| of.as_ref().map(&first)).collect();
+    let owner = |level: usize| {
+        let same = |f: &Option<u32>| f.is_some() && *f == firsts[level];
+        firsts.iter().position(same).unwrap_or(level)
+    };
+    (0..of_clip.len()).map(owner).collect()
+}
+
+/// The entries of a clip whose palettes are their own, with their levels.
+fn owned<T>(of_clip: &[Option<T>], first: impl Fn(&T) -> u32) -> impl Iterator<Item = (usize, &T)> {
+    let owners = owners(of_clip, first);
+    let all = of_clip.iter().enumerate().zip(owners);
+    all.filter_map(|((level, of), owner)| Some((level, of.as_ref().filter(|_| owner == level)?)))
+}
+
 /// All runs of palettes of a cache.
 fn runs(clips: &ClipSet, keys: &Keys, steps: &Steps) -> Vec<Run> {
     let mut runs = Vec::new();
     for (clip, of_clip) in keys.iter().enumerate() {
-        for (level, keys) in of_clip.iter().enumerate() {
-            runs.extend(keys.as_ref().map(|keys| Run {
-                clip,
-                level,
-                times_secs: keys.times_secs.clone(),
-                first_matrix: keys.first_matrix as usize,
-                list: "keys",
-            }));
-        }
+        runs.extend(owned(of_clip, |k| k.first_matrix).map(|(level, keys)| Run {
+            clip,
+            level,
+            times_secs: keys.times_secs.clone(),
+            first_matrix: keys.first_matrix as usize,
+            list: "keys",
+        }));
     }
     for (clip, of_clip) in steps.iter().enumerate() {
         let end_secs = clips.duration_secs(clip);
-        for (level, steps) in of_clip.iter().enumerate() {
-            runs.extend(steps.map(|steps| {
-                let ticks = Ticks::of_steps(steps.count as usize, end_secs);
-                Run {
-                    clip,
-                    level,
-                    times_secs: ticks.steps_secs(steps.count as usize),
-                    first_matrix: steps.first_matrix as usize,
-                    list: "steps",
-                }
-            }));
-        }
+        runs.extend(owned(of_clip, |s| s.first_matrix).map(|(level, steps)| {
+            let ticks = Ticks::of_steps(steps.count as usize, end_secs);
+            Run {
+                clip,
+                level,
+                times_secs: ticks.steps_secs(steps.count as usize),
+                first_matrix: steps.first_matrix as usize,
+                list: "steps",
+            }
+        }));
     }
     runs
 }
@@ -65,10 +79,14 @@ pub(super) fn bytes_of(
             .saturating_mul(map.len(level))
             .max(size_of::<f32>())
     };
-    let of_keys = keys.iter().flat_map(|of_clip| of_clip.iter().enumerate());
-    let of_keys = of_keys.filter_map(|(level, k)| Some((level, k.as_ref()?.times_secs.len())));
-    let of_steps = steps.iter().flat_map(|of_clip| of_clip.iter().enumerate());
-    let of_steps = of_steps.filter_map(|(level, s)| Some((level, s.as_ref()?.count as usize)));
+    let of_keys = keys
+        .iter()
+        .flat_map(|of_clip| owned(of_clip, |k| k.first_matrix));
+    let of_keys = of_keys.map(|(level, k)| (level, k.times_secs.len()));
+    let of_steps = steps
+        .iter()
+        .flat_map(|of_clip| owned(of_clip, |s| s.first_matrix));
+    let of_steps = of_steps.map(|(level, s)| (level, s.count as usize));
     let all = of_keys.chain(of_steps);
     all.fold(0, |sum: usize, (level, palettes)| {
         sum.saturating_add(len(level).saturating_mul(palettes))

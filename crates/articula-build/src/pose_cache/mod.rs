@@ -8,6 +8,10 @@
 //! at twice the rate at which keys were chosen. The cache is filled from the coarsest level up,
 //! since most of a crowd is far away.
 //!
+//! A coarser level keeps the first joints of a finer one, and poses them alike, so its palette is the
+//! beginning of the finer one's. Levels of a clip therefore share palettes: those of the finest level
+//! that there is room for, at its times, which are as close as it needs.
+//!
 //! Beside keys, levels have palettes at equal distances in time, each to be shown as it is
 //! ([`CachedSteps`]): so many that they too are within the tolerance, or two for each frame of a
 //! display.
@@ -55,15 +59,15 @@ pub struct CacheOptions {
 }
 
 impl Default for CacheOptions {
-    /// f32 palettes of at most 16 MiB; a quarter of the level's own error, but at least 0.5 mm at
-    /// level 0, 1 mm at level 1 and so on; the 700 vertices that level errors are measured on.
+    /// f32 palettes of at most 32 MB; a quarter of the level's own error, but at least 0.5 mm at
+    /// level 0, 1 mm at level 1 and so on; 256 of the 700 vertices that level errors are measured on.
     fn default() -> Self {
         Self {
             form: PaletteForm::Matrix,
             share: 0.25,
             min_metres: 0.5e-3,
-            palette_bytes: 16 << 20,
-            vertices: 700,
+            palette_bytes: 32_000_000,
+            vertices: 256,
             seed: 1,
         }
     }
@@ -105,9 +109,10 @@ pub struct CacheReport {
     pub decision: CacheDecision,
     /// Number of keys that the tolerance requires.
     pub keys: usize,
-    /// Size of their palettes in bytes.
+    /// Size of their palettes in bytes; 0 if they are those of a finer level.
     pub bytes: usize,
-    /// Tolerance that the keys were chosen for, in metres.
+    /// Tolerance that the level's own keys are chosen for, in metres; those of a finer level are within a
+    /// tighter one.
     pub tolerance_metres: f32,
     /// Error that the cache states, the larger of the 95th percentile over vertices and half of the
     /// maximum, in metres; 0 if not cached.
@@ -116,7 +121,7 @@ pub struct CacheReport {
     pub worst_metres: f32,
     /// Number of palettes at equal distances in time, to be shown as they are; 0 if there are none.
     pub steps: usize,
-    /// Size of these palettes in bytes.
+    /// Size of these palettes in bytes; 0 if they are those of a finer level.
     pub step_bytes: usize,
     /// Error of showing the nearest of them, as of `error_metres`.
     pub step_error_metres: f32,
@@ -257,6 +262,25 @@ struct Plan {
     report: CacheReport,
 }
 
+impl Plan {
+    /// Bytes of the palettes that it would have, to be blended and to be shown as they are; `None` where it
+    /// has none.
+    fn wanted_bytes(&self) -> [Option<usize>; 2] {
+        let CacheReport {
+            decision,
+            bytes,
+            steps,
+            step_bytes,
+            ..
+        } = self.report;
+        let is_cached = decision == CacheDecision::Cached;
+        [
+            is_cached.then_some(bytes),
+            (steps > 0).then_some(step_bytes),
+        ]
+    }
+}
+
 /// Keys of one clip at every level.
 fn planned(
     levels: &MergedLevels,
@@ -315,24 +339,63 @@ fn planned(
     Ok(plans)
 }
 
-/// Drops what does not fit; the coarsest levels come first, and at each those to be blended.
+/// Gives the levels of each clip palettes, those of the finest level that fits; the coarsest levels come
+/// first, and at each those to be blended.
 fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
-    let mut left = most_bytes;
     let levels = plans.first().map_or(0, Vec::len);
+    let mut left = most_bytes;
+    // Of each clip the levels whose palettes are taken.
+    let mut shared: Vec<[Option<usize>; 2]> = vec![[None; 2]; plans.len()];
     for level in (0..levels).rev() {
-        for report in plans.iter_mut().map(|of_clip| &mut of_clip[level].report) {
-            if report.decision == CacheDecision::Cached {
-                match left.checked_sub(report.bytes) {
-                    Some(rest) => left = rest,
-                    None => report.decision = CacheDecision::NoRoom,
+        for list in 0..2 {
+            for (of_clip, shared) in plans.iter().zip(&mut shared) {
+                let bytes = |level: usize| of_clip[level].wanted_bytes()[list];
+                let Some(wanted) = bytes(level) else { continue };
+                let held = shared[list].and_then(bytes).unwrap_or(0);
+                if let Some(rest) = (left + held).checked_sub(wanted) {
+                    left = rest;
+                    shared[list] = Some(level);
                 }
             }
         }
-        for report in plans.iter_mut().map(|of_clip| &mut of_clip[level].report) {
-            match left.checked_sub(report.step_bytes) {
-                Some(rest) => left = rest,
-                None => (report.steps, report.step_bytes) = (0, 0),
+    }
+    for (of_clip, [keys, steps]) in plans.iter_mut().zip(shared) {
+        share_keys(of_clip, keys);
+        share_steps(of_clip, steps);
+    }
+}
+
+/// Gives a level and all coarser ones its keys.
+fn share_keys(of_clip: &mut [Plan], owner: Option<usize>) {
+    let taken = owner.map(|owner| (owner, of_clip[owner].times_secs.clone()));
+    for (level, plan) in of_clip.iter_mut().enumerate() {
+        let report = &mut plan.report;
+        match &taken {
+            Some((owner, times_secs)) if level >= *owner => {
+                report.decision = CacheDecision::Cached;
+                report.keys = times_secs.len();
+                if level > *owner {
+                    report.bytes = 0;
+                    plan.times_secs.clone_from(times_secs);
+                }
             }
+            _ if report.decision == CacheDecision::Cached => {
+                report.decision = CacheDecision::NoRoom;
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Gives a level and all coarser ones its palettes at equal distances in time.
+fn share_steps(of_clip: &mut [Plan], owner: Option<usize>) {
+    let taken = owner.map(|owner| (owner, of_clip[owner].report.steps));
+    for (level, plan) in of_clip.iter_mut().enumerate() {
+        let report = &mut plan.report;
+        match taken {
+            Some((owner, _)) if level == owner => {}
+            Some((owner, steps)) if level > owner => (report.steps, report.step_bytes) = (steps, 0),
+            _ => (report.steps, report.step_bytes) = (0, 0),
         }
     }
 }
@@ -340,34 +403,44 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
 /// An entry for each clip, and in it one for each level.
 type ByClipAndLevel<T> = Vec<Vec<Option<T>>>;
 
-/// Keys and steps of everything that is cached, and the positions of their palettes: the coarsest
-/// level comes first.
+/// Keys and steps of everything that is cached, and the positions of their palettes.
 fn placed(
     plans: &[Vec<Plan>],
     map: &PaletteMap,
 ) -> (ByClipAndLevel<CachedKeys>, ByClipAndLevel<CachedSteps>) {
     let mut keys = vec![vec![None; map.levels()]; plans.len()];
     let mut steps = vec![vec![None; map.levels()]; plans.len()];
-    let mut first_matrix = 0;
-    for level in (0..map.levels()).rev() {
-        for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
+    let mut end = 0;
+    for (clip, of_clip) in plans.iter().enumerate() {
+        // The finest level comes first: the palettes are its own.
+        let mut first_matrix = None;
+        for (level, plan) in of_clip.iter().enumerate() {
             if plan.report.decision == CacheDecision::Cached {
+                let first_matrix = *first_matrix.get_or_insert_with(|| {
+                    let first = end;
+                    end += plan.times_secs.len() * map.len(level);
+                    first as u32
+                });
                 keys[clip][level] = Some(CachedKeys {
                     times_secs: plan.times_secs.clone(),
-                    first_matrix: first_matrix as u32,
+                    first_matrix,
                     error_metres: 0.0,
                 });
-                first_matrix += plan.times_secs.len() * map.len(level);
             }
         }
-        for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
+        let mut first_matrix = None;
+        for (level, plan) in of_clip.iter().enumerate() {
             if plan.report.steps > 0 {
+                let first_matrix = *first_matrix.get_or_insert_with(|| {
+                    let first = end;
+                    end += plan.report.steps * map.len(level);
+                    first as u32
+                });
                 steps[clip][level] = Some(CachedSteps {
                     count: plan.report.steps as u32,
-                    first_matrix: first_matrix as u32,
+                    first_matrix,
                     error_metres: 0.0,
                 });
-                first_matrix += plan.report.steps * map.len(level);
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
-use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
+use articula_build::{CacheDecision, CacheOptions, CacheReport, CachedPoses, cached_poses};
 use articula_build::{JointLodOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
 use articula_core::{
@@ -225,27 +225,37 @@ proptest! {
         let palette_bytes = (all as f32 * part) as usize;
         let made = figure.cached(&CacheOptions { palette_bytes, ..CacheOptions::default() });
         prop_assert!(palette_bytes_of(&made) <= palette_bytes);
-        let mut left = palette_bytes;
-        for (made, whole) in made.report.iter().zip(&whole.report).rev() {
-            let fits = whole.decision == CacheDecision::Cached && whole.bytes <= left;
-            prop_assert_eq!(made.decision == CacheDecision::Cached, fits);
-            if fits {
-                left -= made.bytes;
-                prop_assert_eq!(made.error_metres, whole.error_metres);
-            } else {
-                prop_assert!(made.decision == whole.decision || made.decision == CacheDecision::NoRoom);
-            }
-            // Behind the keys of a level those that are shown as they are.
-            if whole.step_bytes <= left {
-                left -= made.step_bytes;
-                prop_assert_eq!((made.steps, made.step_bytes), (whole.steps, whole.step_bytes));
-                prop_assert_eq!(made.step_error_metres, whole.step_error_metres);
-            } else {
-                prop_assert_eq!((made.steps, made.step_error_metres), (0, 0.0));
+        prop_assert_eq!(sizes(&made), palette_bytes_of(&made));
+        // Who has palettes has them at all coarser levels too: those of the finest of these.
+        let finest = |made: &CachedPoses, has: fn(&CacheReport) -> bool| {
+            let first = made.report.iter().position(has).unwrap_or(made.report.len());
+            assert!(made.report[first..].iter().all(has), "{:?}", made.report);
+            first
+        };
+        let has_keys = |r: &CacheReport| r.decision == CacheDecision::Cached;
+        let has_steps = |r: &CacheReport| r.steps > 0;
+        for (has, list) in [(has_keys as fn(&CacheReport) -> bool, 0), (has_steps, 1)] {
+            let (few, all) = (finest(&made, has), finest(&whole, has));
+            prop_assert!(few >= all);
+            let bytes = |r: &CacheReport| [r.bytes * usize::from(has_keys(r)), r.step_bytes][list];
+            for (level, (made, whole)) in made.report.iter().zip(&whole.report).enumerate() {
+                prop_assert_eq!(bytes(made) > 0, level == few);
+                if few == all {
+                    let shown = |r: &CacheReport| match list {
+                        0 => (r.keys, r.error_metres),
+                        _ => (r.steps, r.step_error_metres),
+                    };
+                    prop_assert_eq!(shown(made), shown(whole));
+                } else if level < few && has(whole) {
+                    prop_assert!(list == 1 || made.decision == CacheDecision::NoRoom);
+                }
             }
         }
-        prop_assert_eq!(palette_bytes - left, palette_bytes_of(&made));
-        prop_assert_eq!(sizes(&made), palette_bytes_of(&made));
+        // A level that shares palettes shows them as its own: its joints are posed alike.
+        for report in made.report.iter().filter(|r| has_steps(r)) {
+            let (_, worst) = figure.step_error(&made, report.level, 0.0);
+            prop_assert!(worst <= ROUNDING_METRES);
+        }
     }
 }
 

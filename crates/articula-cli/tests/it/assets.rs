@@ -21,6 +21,9 @@ fn timeless(mut report: Value) -> Value {
     for time in TIMES {
         fields.remove(*time);
     }
+    if let Some(frame) = fields.get_mut("frame").and_then(Value::as_object_mut) {
+        frame.remove("ms");
+    }
     report
 }
 

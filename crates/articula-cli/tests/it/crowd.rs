@@ -33,6 +33,20 @@ fn promised_fields_are_there() {
     let found = crowd("crowd-fields", &["--count", "200"]);
     assert_eq!(found["characters"], 200);
     assert_eq!(found["frames"], 12);
+    // The whole frame comes first, with numbers that the report has in full below.
+    assert_eq!(found.as_object().unwrap().keys().next().unwrap(), "frame");
+    for (field, same) in [
+        ("ms", &found["frame_ms"]["median"]),
+        ("triangles", &found["renderer"]["triangles"]),
+        ("draws", &found["renderer"]["draw_groups"]),
+        ("error_p95_px", &found["error_px"]["p95"]),
+        ("error_near_px", &found["error_px"]["near_max"]),
+        ("worst_vertex_px", &found["error_px"]["worst_vertex"]),
+    ] {
+        assert_eq!(&found["frame"][field], same, "{field}");
+    }
+    let written = 1e6 * number(&found["written_mb"]["median"]);
+    assert_eq!(number(&found["frame"]["bytes"]), written);
     for (group, fields) in [
         ("ns_per_character", &["median", "p95"][..]),
         ("error_px", &["p95", "max", "near_max", "worst_vertex"]),
@@ -394,7 +408,7 @@ fn mistakes_are_answered_with_their_mend() {
         ["--count", "0"],
         ["--count", "1e9"],
         ["--threads", "0"],
-        ["--mesh-levels", "6"],
+        ["--mesh-levels", "7"],
         ["--budget-ms", "NaN"],
         ["--epsilon-px", "-1"],
     ] {

@@ -38,7 +38,7 @@ impl Demand {
     }
 
     /// Adds a character that `px_per_metre` pixels of tolerance make a metre for, with its options,
-    /// finest first, of which none is evaluated for less than the last.
+    /// finest first. One that draws less may cost more: a saving below 0.
     #[inline]
     pub(crate) fn see(&mut self, options: &[DetailOption], px_per_metre: f32) {
         let mut finer: Option<&DetailOption> = None;
@@ -135,6 +135,7 @@ mod tests {
             morphs: 0,
             error_metres,
             cost_ns,
+            frame_ns: cost_ns,
         };
         steps.iter().copied().map(option).collect()
     }

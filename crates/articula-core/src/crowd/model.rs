@@ -43,6 +43,11 @@ impl CrowdModel {
             let what = format!("{} entries for {count} clips", parts.bounds.clips.len());
             return Err(Mismatch::new("bounds.clips", what));
         }
+        let levels = clips.joint_lods().levels();
+        if !parts.triangles.is_empty() && parts.triangles.len() != levels {
+            let what = format!("{} entries for {levels} levels", parts.triangles.len());
+            return Err(Mismatch::new("triangles", what));
+        }
         if count > usize::from(u16::MAX) {
             return Err(Mismatch::new(
                 "clips",

@@ -2,8 +2,8 @@
 //! error and its cost.
 //!
 //! Source: `docs/methods/runtime.md` 4.1. The lists are made with the model, finest first. An option
-//! that costs as much as one with no greater error is left out, so along a list the error rises and
-//! the cost falls, and the cheapest option within a tolerance is the last one within it.
+//! that costs the frame as much as one with no greater error is left out, so along a list the error rises
+//! and the cost of the frame falls, and the cheapest option within a tolerance is the last one within it.
 
 use super::frame::CacheUse;
 use super::parts::CrowdParts;
@@ -13,6 +13,9 @@ use super::sources::Source;
 /// of each target in it that is shown.
 const MORPH_SET_NS: f32 = 20.0;
 const MORPH_NS: f32 = 1.5;
+/// What a triangle counts beside nanoseconds of this processor: a weight between what is posed and what is
+/// drawn, by which a cached pose of a fine mesh costs more than a blended one of a coarse mesh.
+const TRIANGLE_NS: f32 = 0.05;
 /// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.
 const MESH_NS: f32 = 1e-3;
 
@@ -25,8 +28,10 @@ pub(crate) struct DetailOption {
     pub(crate) morphs: u8,
     /// Error of the level, of the source and of the morph level together, metres.
     pub(crate) error_metres: f32,
-    /// Expected nanoseconds.
+    /// Expected nanoseconds of this processor.
     pub(crate) cost_ns: f32,
+    /// The same with what the renderer draws: by it options are chosen.
+    pub(crate) frame_ns: f32,
 }
 
 /// Options of every clip for one use of the cache.
@@ -51,12 +56,14 @@ impl OptionLists {
                 let sources = Source::of_levels(cache_use).iter().copied();
                 sources.filter_map(move |source| {
                     let added = source.added_metres(parts, clip, level)?;
+                    let cost_ns = source.cost_ns(parts, level);
                     Some(DetailOption {
                         level: level as u8,
                         source,
                         morphs: 0,
                         error_metres: errors[level] + added,
-                        cost_ns: source.cost_ns(parts, level) + MESH_NS * (levels - level) as f32,
+                        cost_ns,
+                        frame_ns: cost_ns + drawn_ns(parts, level),
                     })
                 })
             });
@@ -82,12 +89,12 @@ impl OptionLists {
 fn undominated(mut all: Vec<DetailOption>) -> Vec<DetailOption> {
     all.sort_by(|a, b| {
         let by_error = a.error_metres.total_cmp(&b.error_metres);
-        by_error.then(a.cost_ns.total_cmp(&b.cost_ns))
+        by_error.then(a.frame_ns.total_cmp(&b.frame_ns))
     });
     let mut least_ns = f32::INFINITY;
     all.retain(|option| {
-        let is_cheaper = option.cost_ns < least_ns;
-        least_ns = least_ns.min(option.cost_ns);
+        let is_cheaper = option.frame_ns < least_ns;
+        least_ns = least_ns.min(option.frame_ns);
         is_cheaper
     });
     // Of equal errors the cheapest came first, so errors rise.
@@ -112,14 +119,25 @@ fn with_morph_levels(
         let errors = if shows { errors } else { &[0.0][..] };
         let level = usize::from(option.level);
         let each = errors.iter().enumerate();
-        each.map(move |(morph_level, error)| DetailOption {
-            morphs: morph_level as u8,
-            error_metres: option.error_metres + error,
-            cost_ns: option.cost_ns + morphs_ns(parts, level, morph_level),
-            ..option
+        each.map(move |(morph_level, error)| {
+            let face_ns = morphs_ns(parts, level, morph_level);
+            DetailOption {
+                morphs: morph_level as u8,
+                error_metres: option.error_metres + error,
+                cost_ns: option.cost_ns + face_ns,
+                frame_ns: option.frame_ns + face_ns,
+                ..option
+            }
         })
     });
     at_each.collect()
+}
+
+/// What drawing a level counts.
+fn drawn_ns(parts: &CrowdParts, level: usize) -> f32 {
+    let levels = parts.clips.joint_lods().levels();
+    let triangles = parts.triangles.get(level).copied().unwrap_or(0);
+    TRIANGLE_NS * triangles as f32 + MESH_NS * (levels - level) as f32
 }
 
 /// Nanoseconds of the morph target weights of a level at a morph level.
@@ -145,13 +163,15 @@ fn impostor(
     let morphs = parts.morphs.as_ref();
     let faces = morphs.map_or(&[][..], |m| m.lods().errors_metres(clip));
     let shows = morphs.is_some_and(|m| level < m.levels());
+    let cost_ns = Source::Impostor.cost_ns(parts, level);
     Some(DetailOption {
         level: level as u8,
         source: Source::Impostor,
         // The last morph level shows no target.
         morphs: if shows { faces.len() as u8 - 1 } else { 0 },
         error_metres: impostors.error_metres(clip)? + faces.last().copied().unwrap_or(0.0),
-        cost_ns: Source::Impostor.cost_ns(parts, level),
+        cost_ns,
+        frame_ns: cost_ns,
     })
 }
 
@@ -167,6 +187,7 @@ mod tests {
             morphs: 0,
             error_metres,
             cost_ns,
+            frame_ns: cost_ns,
         }
     }
 

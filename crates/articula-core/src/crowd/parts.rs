@@ -25,6 +25,8 @@ pub struct CrowdParts {
     pub backend: Backend,
     /// LOD errors of each level in each clip.
     pub errors: LodErrors,
+    /// Triangles that each level draws; empty where all draw the same.
+    pub triangles: Vec<u32>,
     /// Bounds of the skin in each clip.
     pub bounds: MotionBounds,
     /// Events of each clip, in any order. Empty if no clip has events; the two lists below may be
@@ -57,6 +59,7 @@ impl CrowdParts {
             form: PaletteForm::Matrix,
             backend: Backend::best(),
             errors,
+            triangles: Vec::new(),
             bounds,
             events: Vec::new(),
             paths: Vec::new(),

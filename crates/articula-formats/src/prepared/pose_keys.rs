@@ -8,8 +8,9 @@ use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::{CachedKeys, CachedSteps, JointLods};
 
-/// Version of the layout that is written: the second one has palettes that are shown as they are.
-pub const CACHE_KEYS_VERSION: u64 = 2;
+/// Version of the layout that is written: the second one has palettes that are shown as they are, in the
+/// third one levels may share palettes.
+pub const CACHE_KEYS_VERSION: u64 = 3;
 
 /// What a pose cache holds, for each clip and in it for each level.
 #[derive(Debug, Clone, PartialEq, Default)]

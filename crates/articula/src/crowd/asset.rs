@@ -1,24 +1,20 @@
 //! The character of a crowd: its levels with their skins and errors, and its bounds.
 
-use super::face_levels::morph_clips;
 use super::impostors::CrowdImpostors;
-use super::mesh_lods::{
-    LevelledMeshes, MAX_MESH_LEVELS, MeshLevelTriangles, MeshLods, mesh_level_triangles,
-};
-use super::named_events::events_by_clip;
+use super::material_ranges::{MaterialRange, material_ranges};
+use super::mesh_choice::{levelled, mesh_levels};
+use super::mesh_lods::{LevelledMeshes, MeshLods};
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
-use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels, pose_cache};
+use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels};
+use super::shared_model::{Shown, drawn_triangles, model};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::choose;
 use crate::prepared::stored::Stored;
 use crate::work::Executor;
-use articula_build::{Asset, CacheOptions, JointLodOptions, MergedLevels, skin_of};
-use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
-use articula_core::{
-    Clip, ClipSet, ClipStorage, Impostors, JointLods, LevelSkins, Mesh, MotionBounds, PaletteForm,
-    PaletteMap, Tracks,
-};
+use articula_build::{Asset, JointLodOptions, skin_of};
+use articula_core::crowd::CrowdModel;
+use articula_core::{Clip, JointLods, LevelSkins, Mesh, Tracks};
 use std::sync::Arc;
 
 /// A character prepared for crowds. Cheap to clone: clones share the data.
@@ -30,6 +26,8 @@ struct Shared {
     full: Asset,
     skins: LevelSkins,
     meshes: Vec<Mesh>,
+    /// Triangles of the mesh of each level by material.
+    ranges: Vec<Vec<MaterialRange>>,
     mesh_lods: Option<MeshLods>,
     model: CrowdModel,
     matrices: PaletteMatrices,
@@ -146,29 +144,17 @@ impl CrowdAsset {
         };
         let (levels, stored) = joint_levels(&asset, &options.joints, &opts, stored, work)?;
         let triangles = match has_mesh {
-            true => mesh_levels(figure, &asset, options, &mut warnings)?,
+            true => mesh_levels(figure, &asset, options, stored.is_some(), &mut warnings)?,
             false => None,
         };
-        let levelled = if let Some(triangles) = triangles.filter(|t| t.levels.len() > 1) {
-            let count = triangles.levels.len();
-            let stored = stored.filter(|s| triangles.are_stored && s.mesh_levels() == count);
-            MeshLods::paired(&asset, &levels, triangles.levels, &opts, stored)?
-        } else {
-            let all = 0..levels.joint_lods.levels();
-            let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();
-            LevelledMeshes {
-                mesh_lods: None,
-                is_stored: stored.is_some(),
-                levels,
-                meshes,
-            }
-        };
+        let levelled = levelled(&asset, levels, triangles, &opts, stored)?;
         let LevelledMeshes {
             mesh_lods,
             levels,
-            meshes,
+            mut meshes,
             is_stored,
         } = levelled;
+        let ranges = meshes.iter_mut().map(material_ranges).collect();
         let travels = paths.iter().map(Option::is_some).collect();
         if options.root_motion != RootMotionPolicy::Extracted {
             paths.fill(None);
@@ -180,14 +166,20 @@ impl CrowdAsset {
             false => None,
         };
         let table = impostors.as_ref().map(CrowdImpostors::table).transpose()?;
-        let moves = (bounds, paths, table);
-        let model = model(&asset, &levels, moves, options, stored)?;
+        let shown = Shown {
+            bounds,
+            paths,
+            impostors: table,
+            triangles: drawn_triangles(mesh_lods.as_ref()),
+        };
+        let model = model(&asset, &levels, shown, options, stored)?;
         work.step(PREPARING, 5, 5)?;
         Ok(Self(Arc::new(Shared {
             travels,
             full: asset,
             skins: levels.skins,
             meshes,
+            ranges,
             mesh_lods,
             model,
             matrices: options.matrices,
@@ -222,6 +214,19 @@ impl CrowdAsset {
         choose("clip", name, self.clips().iter().map(|c| c.name.as_str()))
     }
 
+    /// Returns the clips of which no level has cached poses to blend, so that all who play them are
+    /// evaluated: they jump from frame to frame, or there is no room. Empty without a cache.
+    pub fn uncached_clips(&self) -> impl Iterator<Item = &Clip> {
+        let cache = self.0.model.parts().cache.as_ref();
+        let levels = self.levels();
+        let is_cached = move |clip: usize| match cache {
+            Some(cache) => (0..levels).any(|level| cache.error_metres(clip, level).is_some()),
+            None => true,
+        };
+        let clips = self.clips().iter().enumerate();
+        clips.filter_map(move |(i, clip)| (!is_cached(i)).then_some(clip))
+    }
+
     /// Returns whether a clip had root motion before it was put in place.
     pub fn travels(&self, clip: usize) -> bool {
         self.0.travels.get(clip).is_some_and(|t| *t)
@@ -232,12 +237,21 @@ impl CrowdAsset {
         self.0.model.parts().clips.joint_lods().levels()
     }
 
-    /// Returns the mesh of a level; its bindings are the first matrices of a skinning palette.
+    /// Returns the mesh of a level; its bindings are the first matrices of a skinning palette, and its
+    /// triangles are sorted by material.
     ///
     /// # Panics
     /// If there is no such level.
     pub fn mesh(&self, level: usize) -> &Mesh {
         &self.0.meshes[level]
+    }
+
+    /// Returns the triangles of a level by material: what is drawn in one call each.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn material_ranges(&self, level: usize) -> &[MaterialRange] {
+        &self.0.ranges[level]
     }
 
     /// Returns the properties of a level.
@@ -307,32 +321,6 @@ fn kept_clips(clips: &[Clip], names: &[String]) -> Result<Vec<bool>> {
     Ok(kept)
 }
 
-/// Returns the triangles of the mesh levels, if there are to be several. Where the options name no number,
-/// they are those of the file, which are measured in pairs with merged joints.
-fn mesh_levels(
-    figure: Option<&Figure>,
-    asset: &Asset,
-    options: &CrowdOptions,
-    warnings: &mut Vec<String>,
-) -> Result<Option<MeshLevelTriangles>> {
-    let wanted = options.mesh_levels.unwrap_or_else(|| {
-        let stored = figure.filter(|_| options.joints == JointLodMethod::Merged);
-        let stored = stored.map_or(0, Figure::stored_mesh_level_count);
-        if stored > MAX_MESH_LEVELS { 1 } else { stored }
-    });
-    if wanted <= 1 {
-        return Ok(None);
-    }
-    let triangles = mesh_level_triangles(figure, asset, wanted)?;
-    let found = triangles.levels.len();
-    if found < wanted && options.mesh_levels.is_some() {
-        warnings.push(format!(
-            "{found} mesh levels are used instead of {wanted}: coarser ones are not stored, or they are empty, equal to finer ones or too far from the original"
-        ));
-    }
-    Ok(Some(triangles))
-}
-
 fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
     let mut each = kept.iter();
     all.retain(|_| each.next().is_some_and(|kept| *kept));
@@ -347,50 +335,6 @@ fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
          give a joint map or choose levels merged by motion"
             .to_owned()
     })
-}
-
-/// Builds the data that all characters share: clips, palettes, errors and, on request, cached
-/// poses.
-fn model(
-    asset: &Asset,
-    levels: &MergedLevels,
-    (bounds, paths, impostors): (MotionBounds, Vec<Option<RootTrajectory>>, Option<Impostors>),
-    options: &CrowdOptions,
-    stored: Option<(&Stored<'_>, bool)>,
-) -> Result<CrowdModel> {
-    let palette = match options.matrices {
-        PaletteMatrices::Joints => PaletteMap::joints(&levels.joint_lods),
-        PaletteMatrices::Skin => levels.skins.palette.clone(),
-    };
-    let joint_lods = levels.joint_lods.clone();
-    let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, options.storage)?;
-    let is_cacheable = options.matrices == PaletteMatrices::Skin
-        && matches!(options.form, PaletteForm::Matrix | PaletteForm::HalfMatrix);
-    let cache = if options.pose_cache && is_cacheable {
-        let opts = CacheOptions {
-            form: options.form,
-            seed: options.seed,
-            ..CacheOptions::default()
-        };
-        // Keys are chosen for clips as they are sampled.
-        let stored = stored.filter(|_| options.storage == ClipStorage::Float);
-        let map = &levels.skins.palette;
-        Some(pose_cache(asset, levels, (&clips, map), &opts, stored)?)
-    } else {
-        None
-    };
-    let mut errors = levels.errors.clone();
-    let morphs = morph_clips(asset, &mut errors)?;
-    Ok(CrowdModel::new(CrowdParts {
-        events: events_by_clip(&options.events, &asset.clips)?,
-        form: options.form,
-        backend: options.backend,
-        paths,
-        cache,
-        impostors,
-        morphs,
-        ..CrowdParts::new(clips, palette, errors, bounds)
-    })?)
 }
 
 /// A clip of one frame without channels.

@@ -121,11 +121,11 @@ pub struct LevelManifest {
     pub triangles_at: usize,
     /// Number of its triangles.
     pub triangles: usize,
-    /// Triangles of one material each.
+    /// The triangles of each material.
     pub parts: Vec<PartManifest>,
 }
 
-/// Triangles of one part of a mesh.
+/// Triangles of one material of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct PartManifest {
     /// Material of the character, as a file of glTF numbers them; `None` for the usual one.
@@ -216,10 +216,11 @@ fn levels(player: &CrowdPlayer) -> Vec<LevelManifest> {
     let (mut vertices_at, mut triangles_at) = (0, 0);
     let level = |level: usize| {
         let mesh = asset.mesh(level);
-        let parts = mesh.parts.iter().map(|part| PartManifest {
-            material: part.material,
-            first: part.triangles.start,
-            count: part.triangles.len(),
+        let ranges = asset.material_ranges(level).iter();
+        let parts = ranges.map(|range| PartManifest {
+            material: range.material,
+            first: range.triangles.start,
+            count: range.triangles.len(),
         });
         let made = LevelManifest {
             matrices: asset.level(level).matrices,

@@ -24,9 +24,14 @@ pub(super) fn close_gaps(keys: &mut CacheKeys, map: &PaletteMap) {
         }
     }
     runs.sort_by_key(|(first, _)| **first);
-    let mut next = 0_u32;
+    let (mut next, mut end) = (0_u32, 0_u32);
+    let mut before = None;
     for (first, matrices) in runs {
+        // Levels that share palettes have the same first matrix; the palettes are as long as the longest.
+        if before.replace(*first) != Some(*first) {
+            next = end;
+        }
         *first = next;
-        next = next.saturating_add(matrices);
+        end = end.max(next.saturating_add(matrices));
     }
 }

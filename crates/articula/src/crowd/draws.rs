@@ -1,11 +1,12 @@
 //! What a renderer draws of a crowd's frame.
 
+use super::material_ranges::MaterialRange;
 use super::player::CrowdPlayer;
 use articula_core::crowd::{Draw, DrawGroup, DrawKind, ImpostorDraw};
 use articula_core::{BlendRecord, Mesh};
 use std::ops::Range;
 
-/// Characters of one level whose poses are read alike: one instanced draw for each part of the mesh.
+/// Characters of one level whose poses are read alike: one instanced draw for each material of the mesh.
 #[derive(Debug, Clone)]
 pub struct InstancedDraw<'a> {
     /// The level; 0 is full detail. Of impostors, which have none, the coarsest.
@@ -13,6 +14,8 @@ pub struct InstancedDraw<'a> {
     /// Mesh of the level; `None` for impostors, whose pictures are those of
     /// [`CrowdAsset::impostors`](super::CrowdAsset::impostors).
     pub mesh: Option<&'a Mesh>,
+    /// Triangles of the mesh by material; none of impostors.
+    pub ranges: &'a [MaterialRange],
     /// Number of matrices in one palette.
     pub matrices: usize,
     /// The characters.
@@ -80,9 +83,11 @@ impl CrowdPlayer {
         let (kind, range) = (group.kind, group.range.clone());
         let first_set = list.first_morph_set(kind);
         let sets = range.start..list.with_morphs(kind).clamp(range.start, range.end);
+        let mesh = (kind != DrawKind::Impostor).then(|| self.asset().mesh(group.level));
         InstancedDraw {
             level: group.level,
-            mesh: (kind != DrawKind::Impostor).then(|| self.asset().mesh(group.level)),
+            ranges: mesh.map_or(&[], |_| self.asset().material_ranges(group.level)),
+            mesh,
             matrices: group.matrices,
             instances: match kind {
                 DrawKind::Palette => Instances::Palettes(&list.draws[range]),

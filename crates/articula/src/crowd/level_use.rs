@@ -56,7 +56,7 @@ pub struct MeasuredError {
 /// Rendering cost, mean per frame except for resident memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct DrawCost {
-    /// Number of instanced draws: one per part of the mesh.
+    /// Number of instanced draws: one for each material of the mesh.
     pub draw_groups: f64,
     /// Bytes of palettes that the CPU writes.
     pub palette_bytes: f64,
@@ -206,7 +206,6 @@ impl LevelTally {
         let looked = samples.iter().flat_map(|l| &l.characters).filter(of_level);
         let mut errors: Vec<f64> = looked.map(|c| c.p95_px).collect();
         let p95 = percentile(&mut errors, 0.95);
-        let parts = asset.full().mesh.parts.len().max(1);
         LevelStatistics {
             level,
             is_impostor,
@@ -226,10 +225,10 @@ impl LevelTally {
                 max: percentile(&mut errors, 1.0),
             }),
             renderer: DrawCost {
-                draw_groups: mean(if is_impostor {
-                    sums.groups
-                } else {
-                    sums.groups * parts
+                draw_groups: mean(match is_impostor {
+                    true => sums.groups,
+                    // Without a mesh there is nothing to draw, and a draw is what it would be.
+                    false => sums.groups * asset.material_ranges(level).len().max(1),
                 }),
                 palette_bytes: drawn(DrawKind::Palette)
                     * (made.matrices * model.parts().form.bytes()) as f64,

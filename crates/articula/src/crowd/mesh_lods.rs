@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use crate::mesh_levels;
+use crate::mesh_levels::{self, MeshLevelOptions};
 use crate::prepared::stored::Stored;
 use articula_build::{Asset, JointLodOptions, MergedLevels, SkinPoint, attach, compact};
 use articula_build::{PoseOptions, figure_levels, paired_levels, poses, positions};
@@ -11,7 +11,7 @@ use glam::Vec3;
 use std::sync::OnceLock;
 
 /// Maximum number of mesh levels.
-pub const MAX_MESH_LEVELS: usize = 5;
+pub const MAX_MESH_LEVELS: usize = 6;
 
 /// Levels of joints and mesh, combined.
 #[derive(Debug)]
@@ -145,14 +145,15 @@ pub(super) struct MeshLevelTriangles {
     pub(super) are_stored: bool,
 }
 
-/// Triangles of at most `levels` mesh levels: those of the file, unless it has none or more, or
-/// those that `prepare` would make.
+/// Triangles of at most `most` mesh levels: those of the file, unless it has none or more, or
+/// those that `prepare` would make with the options.
 pub(super) fn mesh_level_triangles(
     figure: Option<&Figure>,
     asset: &Asset,
-    levels: usize,
+    most: usize,
+    options: &MeshLevelOptions,
 ) -> Result<MeshLevelTriangles> {
-    let stored = figure.filter(|f| f.stored_mesh_level_count() <= levels);
+    let stored = figure.filter(|f| f.stored_mesh_level_count() <= most);
     let mut stored = stored.and_then(Figure::stored_mesh_levels);
     if let Some(levels) = &mut stored {
         // Of a character without some of its meshes the coarsest levels may be empty.
@@ -162,8 +163,8 @@ pub(super) fn mesh_level_triangles(
     let are_stored = stored.is_some();
     let triangles = match (stored, figure) {
         (Some(stored), _) => stored,
-        (None, Some(figure)) => mesh_levels::triangles(figure, levels)?,
-        (None, None) => mesh_levels::triangles_of(asset, levels)?,
+        (None, Some(figure)) => mesh_levels::triangles(figure, options)?,
+        (None, None) => mesh_levels::triangles_of(asset, options)?,
     };
     Ok(MeshLevelTriangles {
         levels: canonical(triangles),

@@ -38,8 +38,10 @@ pub(crate) mod impostors;
 mod in_place;
 mod level_use;
 mod lod_error;
+mod material_ranges;
 mod measure_options;
 mod measured_scene;
+mod mesh_choice;
 pub(crate) mod mesh_lods;
 mod morph_order;
 mod morph_use;
@@ -58,6 +60,7 @@ mod scene_measurement;
 mod scene_player;
 mod scene_roles;
 mod share;
+mod shared_model;
 mod spread;
 mod timed_scene;
 pub mod wgsl;
@@ -81,6 +84,7 @@ pub use level_use::{DrawCost, LevelStatistics, LevelTally, MeasuredError};
 pub use lod_error::{
     CharacterError, ErrorMeter, ErrorSample, ErrorSummary, ErrorView, NEAR_METRES, PartsError,
 };
+pub use material_ranges::MaterialRange;
 pub use measure_options::{FrameClocks, MeasureOptions};
 pub use measured_scene::measure_scene;
 pub use mesh_lods::MAX_MESH_LEVELS;
@@ -93,7 +97,9 @@ pub use player::CrowdPlayer;
 pub use role_errors::RoleError;
 pub use scene_cast::{CharacterEntry, MAX_CHARACTERS, MAX_VIEWS};
 pub use scene_file::{MAX_MEMBERS, ParsedScene, write_scene};
-pub use scene_measurement::{BudgetUse, CrowdMemory, DISPLAY_HZ, PoseUse, SceneMeasurement};
+pub use scene_measurement::{
+    BudgetUse, CrowdMemory, DISPLAY_HZ, FrameSummary, PoseUse, SceneMeasurement,
+};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 pub use spread::Spread;
 

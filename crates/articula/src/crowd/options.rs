@@ -1,5 +1,6 @@
 //! Options of crowd preparation.
 
+use articula_build::CacheOptions;
 use articula_core::crowd::ClipEvent;
 use articula_core::loa::LoaExpression;
 use articula_core::{Backend, ClipStorage, PaletteForm};
@@ -47,7 +48,7 @@ pub enum RootMotionPolicy {
 /// ```
 /// use articula::crowd::{CrowdOptions, JointLodMethod, PaletteMatrices};
 ///
-/// let options = CrowdOptions { mesh_levels: Some(4), ..CrowdOptions::default() };
+/// let options = CrowdOptions { mesh_levels: Some(1), ..CrowdOptions::default() };
 /// assert_eq!(options.joints, JointLodMethod::Merged);
 /// assert_eq!(options.matrices, PaletteMatrices::Skin);
 /// ```
@@ -64,8 +65,10 @@ pub struct CrowdOptions {
     pub joints: JointLodMethod,
     /// Maximum number of mesh levels, the original included, at most
     /// [`MAX_MESH_LEVELS`](super::MAX_MESH_LEVELS); they are chosen together with the joint LODs.
-    /// They are those of the file unless it has none or more. With 1 all levels use the original
-    /// mesh. `None`: those of the file with merged joints, if it has any, else the original mesh.
+    /// They are those of the file unless it has none or more, else those of
+    /// [`MeshLevelOptions::levels`](crate::MeshLevelOptions::levels). With 1 all levels use the original
+    /// mesh. `None`: with merged joints those of the file, or, of a file that is not prepared,
+    /// [`MeshLevelOptions::for_crowds`](crate::MeshLevelOptions::for_crowds); else the original mesh.
     pub mesh_levels: Option<usize>,
     /// Kind of matrices in a palette.
     pub matrices: PaletteMatrices,
@@ -75,6 +78,8 @@ pub struct CrowdOptions {
     pub storage: ClipStorage,
     /// Whether poses are cached, if the palettes are [`PaletteMatrices::Skin`] in a form of matrices.
     pub pose_cache: bool,
+    /// Maximum size of the cached palettes in bytes.
+    pub cache_bytes: usize,
     /// Impostors for who is far away, if the character has a mesh; they are shown where their error is
     /// within the tolerance and cached poses may be ([`CacheUse`](super::CacheUse)). With pitches that
     /// leave some out, the errors hold only for eyes within them, which a frame does not check.
@@ -87,8 +92,8 @@ pub struct CrowdOptions {
 }
 
 impl Default for CrowdOptions {
-    /// All clips in place, merged joints, the mesh levels of the file; skinning matrices of three rows of
-    /// 32-bit floats, and cached poses.
+    /// All clips in place, merged joints with mesh levels, skinning matrices of three rows of 32-bit floats,
+    /// and cached poses of at most 32 MB.
     fn default() -> Self {
         Self {
             clips: Vec::new(),
@@ -100,6 +105,7 @@ impl Default for CrowdOptions {
             form: PaletteForm::Matrix,
             storage: ClipStorage::Float,
             pose_cache: true,
+            cache_bytes: CacheOptions::default().palette_bytes,
             #[cfg(feature = "flat")]
             impostors: None,
             backend: Backend::best(),

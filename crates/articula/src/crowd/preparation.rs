@@ -173,8 +173,10 @@ pub(crate) fn pose_cache(
     opts: &CacheOptions,
     stored: Option<(&Stored<'_>, bool)>,
 ) -> Result<PoseCache> {
-    // Keys are chosen for the errors of palettes in full precision.
-    if let Some((stored, is_paired)) = stored.filter(|_| opts.form == PaletteForm::Matrix) {
+    // Keys are chosen for the errors of palettes in full precision, and for as much room as is usual.
+    let is_usual = opts.form == PaletteForm::Matrix
+        && opts.palette_bytes >= CacheOptions::default().palette_bytes;
+    if let Some((stored, is_paired)) = stored.filter(|_| is_usual) {
         let counts = (clips.clips(), levels.joint_lods.levels());
         let mut keys = stored.cache_keys(is_paired, counts);
         if let Some(keys) = keys.as_mut().filter(|_| stored.leaves_clips_out()) {

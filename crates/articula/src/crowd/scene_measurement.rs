@@ -76,6 +76,41 @@ pub struct SceneMeasurement {
     pub samples: Vec<ErrorSample>,
 }
 
+/// The cost and the error of a whole frame, in the few numbers that say whether it is good.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FrameSummary {
+    /// Processor time of a frame, median, milliseconds.
+    pub ms: f64,
+    /// Number of triangles drawn, mean.
+    pub triangles: f64,
+    /// Number of instanced draws, mean: one for each level, source and material.
+    pub draws: f64,
+    /// Bytes written in a frame, median.
+    pub bytes: f64,
+    /// 95th percentile over the sampled characters and frames of the error of joints, mesh and cached poses
+    /// together, in pixels.
+    pub error_p95_px: f64,
+    /// Maximum of the same over characters nearer than 20 m.
+    pub error_near_px: f64,
+    /// Maximum error of a vertex, in pixels.
+    pub worst_vertex_px: f64,
+}
+
+impl SceneMeasurement {
+    /// Returns the few numbers that say whether the frame is good.
+    pub fn frame(&self) -> FrameSummary {
+        FrameSummary {
+            ms: self.frame_ms.median,
+            triangles: self.renderer.triangles,
+            draws: self.renderer.draw_groups,
+            bytes: 1e6 * self.written_mb.median,
+            error_p95_px: self.error_px.p95,
+            error_near_px: self.error_px.near_max,
+            worst_vertex_px: self.error_px.worst_vertex,
+        }
+    }
+}
+
 /// Poses evaluated in a frame, on average.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct PoseUse {

@@ -26,31 +26,34 @@ use crate::open::GltfSource;
 use articula_build::{Asset, LevelTriangles, mesh_level_triangles};
 use articula_formats::prepared::SourceOrder;
 
-/// Triangles of the levels that preparation makes with default options, over the vertices of the
+/// Triangles of the levels that preparation makes with these options, over the vertices of the
 /// figure's mesh.
-pub(crate) fn triangles(figure: &Figure, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
+pub(crate) fn triangles(figure: &Figure, options: &MeshLevelOptions) -> Result<Vec<Vec<[u32; 3]>>> {
     let classes = match figure.opened.gltf() {
         Some(gltf) => vertex_classes(figure, gltf, figure.orders())?,
         None => Vec::new(),
     };
     let face = FoundFace::of(figure, &[]).ok();
     let face = face.and_then(|face| KeptFace::of(figure, &face));
-    made(&figure.asset, levels, classes, face.as_ref())
+    made(&figure.asset, options, classes, face.as_ref())
 }
 
 /// The same for an asset without a file; its face is not known.
-pub(crate) fn triangles_of(asset: &Asset, levels: usize) -> Result<Vec<Vec<[u32; 3]>>> {
-    made(asset, levels, Vec::new(), None)
+pub(crate) fn triangles_of(
+    asset: &Asset,
+    options: &MeshLevelOptions,
+) -> Result<Vec<Vec<[u32; 3]>>> {
+    made(asset, options, Vec::new(), None)
 }
 
 /// Triangles of levels of a mesh whose vertices have the given classes.
 fn made(
     asset: &Asset,
-    levels: usize,
+    options: &MeshLevelOptions,
     classes: Vec<u32>,
     face: Option<&KeptFace>,
 ) -> Result<Vec<Vec<[u32; 3]>>> {
-    let options = MeshLevelOptions::levels(levels).of(&asset.mesh, &asset.rig, classes, face)?;
+    let options = options.of(&asset.mesh, &asset.rig, classes, face)?;
     let made = mesh_level_triangles(asset, &options).context("mesh levels")?;
     let triangles = |level: LevelTriangles| level.triangles;
     Ok(made.into_iter().map(triangles).collect())

@@ -18,6 +18,15 @@ const FIVE_LEVELS: [f64; 5] = [1.0, 0.5, 0.25, 0.1, 0.015];
 /// come apart at neck and shins and lose hands and feet.
 pub(crate) const MAX_ERROR: f32 = 0.05;
 
+/// Maximum number of levels that crowds are shown with, the original included.
+const CROWD_LEVELS: usize = 6;
+
+/// Triangles of the coarsest of them: about two for each pixel of a figure 20 pixels high.
+const CROWD_LEAST: f64 = 120.0;
+
+/// Greatest share of the triangles of the next finer one.
+const CROWD_SHARE: f64 = 0.5;
+
 /// Options for making the mesh levels of a character.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshLevelOptions {
@@ -65,6 +74,28 @@ impl MeshLevelOptions {
             msft_lod: false,
             full_every: 1,
             sizes_alone: true,
+        }
+    }
+
+    /// Options for the levels that crowds are shown with: at most six, with equal ratios from all of so
+    /// many triangles down to about 120, none of which is left out for its error. For those who choose
+    /// levels by their errors, as [crowds](crate::crowd) do.
+    pub fn for_crowds(triangles: usize) -> Self {
+        let least = CROWD_LEAST / triangles.max(1) as f64;
+        let mut levels = CROWD_LEVELS;
+        let share = |levels: usize| least.libm_powf(1.0 / (levels - 1) as f64);
+        while levels > 1 && share(levels) > CROWD_SHARE {
+            levels -= 1;
+        }
+        let target = |i: usize| share(levels).libm_powf(i as f64);
+        let targets = match levels {
+            1 => vec![1.0],
+            _ => (0..levels).map(target).collect(),
+        };
+        Self {
+            targets,
+            max_error: None,
+            ..Self::levels(1)
         }
     }
 
@@ -181,6 +212,25 @@ fn default_targets(levels: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn levels_of_crowds_have_equal_ratios() {
+        let rounded = |triangles| -> Vec<f64> {
+            let targets = MeshLevelOptions::for_crowds(triangles).targets.into_iter();
+            targets.map(|t| (1e4 * t).round() / 1e4).collect()
+        };
+        // 12000 / 120 is the fifth power of 2.5119.
+        let five = [1.0, 0.3981, 0.1585, 0.0631, 0.0251, 0.01];
+        assert_eq!(rounded(12_000), five);
+        // 600 / 120 is the square of 2.236 and the third power of 1.71.
+        assert_eq!(rounded(600), [1.0, 0.4472, 0.2]);
+        for few in [0, 1, 120, 239] {
+            assert_eq!(MeshLevelOptions::for_crowds(few).targets, [1.0], "{few}");
+        }
+        assert_eq!(MeshLevelOptions::for_crowds(240).targets, [1.0, 0.5]);
+        let many = MeshLevelOptions::for_crowds(50_000_000).targets;
+        assert!(many.windows(2).all(|w| w[0] > w[1]), "{many:?}");
+    }
 
     #[test]
     fn other_numbers_of_levels_run_along_the_five() {

@@ -113,7 +113,11 @@ fn every_source_shows_the_plain_pose_within_the_tolerance() {
     let asset = asset_with_impostors();
     let eye = Vec3::new(0.0, 1.5, 4.0);
     let camera = Camera::looking_at(eye, Vec3::NEG_Z * 300.0, Viewport::default());
-    for (cache, cached) in [(CacheUse::Cpu, "step"), (CacheUse::Gpu, "record")] {
+    // The GPU blends at every level, since levels share palettes; the CPU writes what it blends.
+    for (cache, expected) in [
+        (CacheUse::Cpu, &["impostor", "palette", "step"][..]),
+        (CacheUse::Gpu, &["impostor", "record"]),
+    ] {
         let mut crowd = placed(asset, cache);
         let mut sources = Vec::new();
         for _ in 0..3 {
@@ -143,8 +147,6 @@ fn every_source_shows_the_plain_pose_within_the_tolerance() {
         }
         sources.sort_unstable();
         sources.dedup();
-        let mut expected = ["impostor", "palette", cached];
-        expected.sort_unstable();
         assert_eq!(sources, expected);
     }
 }

@@ -6,9 +6,14 @@ use crate::{fault, files, open};
 use anyhow::Context;
 use articula::CharacterFile;
 use articula::core::Clip;
-use articula::crowd::{CharacterEntry, CrowdAsset, CrowdOptions, MAX_CHARACTERS, ParsedScene};
+use articula::crowd::{
+    CharacterEntry, CrowdAsset, CrowdOptions, JointLodMethod, MAX_CHARACTERS, ParsedScene,
+};
 use clap::Args;
 use std::path::{Path, PathBuf};
+
+/// Triangles of a character from which on mesh levels are missed.
+const MANY_TRIANGLES: usize = 1000;
 
 /// Maximum size of a scene file in bytes.
 const MAX_SCENE_BYTES: u64 = 512 << 20;
@@ -107,6 +112,7 @@ impl CastArgs {
         let options = options(&figure.asset.clips)?;
         let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
         warnings.extend_from_slice(asset.warnings());
+        warnings.extend(missed_gains(&asset, &options));
         Ok(CastAsset {
             file,
             opened: figure.opened,
@@ -114,6 +120,31 @@ impl CastArgs {
             warnings,
         })
     }
+}
+
+/// Why a character does not profit from what makes crowds cheap.
+fn missed_gains(asset: &CrowdAsset, options: &CrowdOptions) -> Vec<String> {
+    let mut found = Vec::new();
+    let chooses = options.pose_cache && options.joints == JointLodMethod::Merged;
+    let names: Vec<&str> = asset.uncached_clips().map(|c| c.name.as_str()).collect();
+    if let Some(first) = names.first().filter(|_| chooses && asset.has_mesh()) {
+        let others = match names.len() {
+            1 => String::new(),
+            count => format!(" and {} others", count - 1),
+        };
+        found.push(format!(
+            "clip \"{first}\"{others}: all poses are evaluated, since the clip jumps between two frames or its poses exceed --cache-bytes {}",
+            options.cache_bytes
+        ));
+    }
+    let is_plain = options.mesh_levels.is_none() && !asset.has_mesh_lods();
+    if chooses && is_plain && asset.full().mesh.triangles.len() > MANY_TRIANGLES {
+        found.push(
+            "every level draws all triangles, since the asset has no mesh levels; build it with --levels 6, or give --mesh-levels"
+                .to_owned(),
+        );
+    }
+    found
 }
 
 /// What scene files know of a cast. Each character has its file, relative to `folder`, if several are

@@ -59,9 +59,12 @@ pub(crate) struct CrowdArgs {
     level: String,
     /// Maximum number of mesh levels, chosen together with the joint levels: those of the file, or,
     /// if it has none or more, new ones as by build --levels; 1: the original mesh only [default:
-    /// those of the file]
+    /// those of the file, or up to 6 down to 120 triangles if it is no asset]
     #[arg(long, value_name = "N", value_parser = mesh_levels)]
     mesh_levels: Option<usize>,
+    /// Maximum size of the cached poses of a character in bytes
+    #[arg(long, value_name = "BYTES", default_value_t = CrowdOptions::default().cache_bytes)]
+    cache_bytes: usize,
     /// Show who is far away by impostors, pictures of at most so many bytes of pixels, where their error
     /// is within the tolerance [default of BYTES: 4194304]
     #[arg(long, value_name = "BYTES", num_args = 0..=1, default_missing_value = "4194304")]
@@ -261,6 +264,7 @@ impl CrowdArgs {
             matrices: self.matrices(),
             seed: self.seed,
             pose_cache: self.level == "auto",
+            cache_bytes: self.cache_bytes,
             impostors: self.impostors.map(|bytes| ImpostorOptions {
                 bound: ImpostorBound::Bytes(bytes),
                 ..ImpostorOptions::default()

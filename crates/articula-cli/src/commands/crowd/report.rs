@@ -4,13 +4,17 @@ use super::{CrowdArgs, Piece};
 use crate::fault::clean;
 use crate::files;
 use crate::table::{Table, counted};
-use articula::crowd::{DrawCost, LevelStatistics, MorphUse, PaletteMatrices, SceneMeasurement};
+use articula::crowd::{
+    DrawCost, FrameSummary, LevelStatistics, MorphUse, PaletteMatrices, SceneMeasurement,
+};
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 
 /// Report of one run.
 #[derive(Debug, Serialize)]
 pub(super) struct CrowdRunReport {
+    /// What a whole frame costs, and how far it is off.
+    frame: FrameSummary,
     file: String,
     /// The characters, if there are several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -76,6 +80,7 @@ impl CrowdRunReport {
         let cast = cast_of(piece, &measured);
         let source = args.source.to_possible_value();
         Self {
+            frame: measured.frame(),
             file: listed(cast.iter().map(|c| &c.file)).join(", "),
             clips: listed(cast.iter().flat_map(|c| &c.clips)),
             clips_in_place: listed(piece.cast.iter().flat_map(|c| {
@@ -112,7 +117,8 @@ impl CrowdRunReport {
 
     /// Formats the report for people.
     pub(super) fn text(&self) -> String {
-        let mut text = self.heading();
+        let mut text = self.whole_frame();
+        text.push_str(&self.heading());
         text.push('\n');
         if self.cast.is_empty() {
             text.push_str(&tier_table(&self.tiers).text());
@@ -132,6 +138,21 @@ impl CrowdRunReport {
             text.push_str(&format!("wrote {}\n", clean(file)));
         }
         text
+    }
+
+    /// What a whole frame costs, and how far it is off.
+    fn whole_frame(&self) -> String {
+        let frame = &self.frame;
+        format!(
+            "frame  {:.3} ms, {:.2} M triangles in {:.0} draws, {:.2} MB written; error p95 {:.2} px, within 20 m {:.2} px, worst vertex {:.2} px\n\n",
+            frame.ms,
+            frame.triangles / 1e6,
+            frame.draws,
+            frame.bytes / 1e6,
+            frame.error_p95_px,
+            frame.error_near_px,
+            frame.worst_vertex_px
+        )
     }
 
     fn heading(&self) -> String {

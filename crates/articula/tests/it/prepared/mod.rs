@@ -359,8 +359,13 @@ fn data_of_other_clips_or_meshes_is_told_and_not_used() {
 #[test]
 fn what_is_left_out_is_missing_and_computed() {
     let fresh = Figure::new(human()).unwrap();
-    let usual = CrowdOptions::default();
+    let usual = original_mesh();
     let expected = played(&crowd_of(&fresh, &usual));
+    // By default what is prepared has the meshes that it stores, and what is not gets levels.
+    let has_levels = |figure| crowd_of(figure, &CrowdOptions::default()).has_mesh_lods();
+    assert!(has_levels(&fresh));
+    let plain = Figure::new(opened(&built(human(), &PrepareOptions::default()))).unwrap();
+    assert!(!has_levels(&plain));
     for part in [
         PreparedPart::Clips,
         PreparedPart::Skins,
