@@ -4,7 +4,7 @@ use crate::moment::Moment;
 use crate::split_mix::SplitMix;
 use articula_core::source::{Character, Property, RawClip, evaluate};
 use articula_core::{
-    Articulation, LocalPose, Mesh, Mismatch, ModelPose, Rig, local_to_model, palette,
+    Articulation, LocalPose, Mesh, Mismatch, ModelPose, Morph, Rig, local_to_model, palette,
 };
 use glam::{Affine3A, Vec3, Vec3A};
 use std::sync::Arc;
@@ -81,6 +81,24 @@ impl<'a> PosedVertices<'a> {
             self.skin();
         }
         &self.points
+    }
+
+    /// Vertices at which errors in motion are expected to be the greatest, ascending: those farthest out in 14
+    /// directions of all that follow a joint most, and that which each morph target moves farthest.
+    pub fn outermost(&self) -> Vec<u32> {
+        outermost(&self.mesh)
+    }
+
+    /// The same with these vertices alone, which ascend.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    #[must_use]
+    pub fn of_vertices(&self, vertices: &[u32]) -> Self {
+        Self {
+            mesh: Arc::new(chosen(&self.mesh, vertices)),
+            ..self.clone()
+        }
     }
 
     /// The clips of the character.
@@ -166,6 +184,95 @@ impl<'a> PosedVertices<'a> {
             }
             *point = sum.into();
         }
+    }
+}
+
+/// Directions in which vertices are farthest: the axes and the diagonals, both ways.
+fn directions() -> impl Iterator<Item = Vec3> {
+    let diagonals = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let diagonals = diagonals.map(|(y, z)| Vec3::new(1.0, y, z));
+    let half = Vec3::AXES.into_iter().chain(diagonals);
+    half.flat_map(|way| [way, -way])
+}
+
+/// The vertices of [`PosedVertices::outermost`].
+fn outermost(mesh: &Mesh) -> Vec<u32> {
+    let heaviest = |v: usize| {
+        let all = v * mesh.influences..(v + 1) * mesh.influences;
+        let pairs = mesh.binding_indices[all.clone()]
+            .iter()
+            .zip(&mesh.weights[all]);
+        let most = pairs.reduce(|a, b| if b.1 > a.1 { b } else { a });
+        most.map(|(binding, _)| usize::from(*binding))
+    };
+    let mut of_binding = vec![Vec::new(); mesh.bindings.len()];
+    for v in 0..mesh.len() {
+        if let Some(binding) = heaviest(v) {
+            of_binding[binding].push(v as u32);
+        }
+    }
+    let farthest = |of: &[u32], far: &dyn Fn(u32) -> f32| {
+        let pairs = of.iter().map(|v| (*v, far(*v)));
+        pairs.reduce(|a, b| if b.1 > a.1 { b } else { a })
+    };
+    let mut found = Vec::new();
+    for of in &of_binding {
+        for way in directions() {
+            let far = |v: u32| mesh.positions[v as usize].dot(way);
+            found.extend(farthest(of, &far).map(|(v, _)| v));
+        }
+    }
+    for morph in &mesh.morphs {
+        let moved = morph.vertices.iter().zip(&morph.positions);
+        let moved = moved.map(|(v, offset)| (*v, offset.length_squared()));
+        found.extend(
+            moved
+                .reduce(|a, b| if b.1 > a.1 { b } else { a })
+                .map(|(v, _)| v),
+        );
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// A mesh of some vertices, which ascend, without triangles.
+fn chosen(mesh: &Mesh, vertices: &[u32]) -> Mesh {
+    let all = |v: &u32| *v as usize * mesh.influences..(*v as usize + 1) * mesh.influences;
+    let each = |of: &[Vec3]| vertices.iter().map(|v| of[*v as usize]).collect();
+    let morph = |morph: &Morph| {
+        let mut out = Morph {
+            slot: morph.slot,
+            vertices: Vec::new(),
+            positions: Vec::new(),
+            normals: Vec::new(),
+        };
+        for ((v, position), normal) in
+            (morph.vertices.iter().zip(&morph.positions)).zip(&morph.normals)
+        {
+            if let Ok(place) = vertices.binary_search(v) {
+                out.vertices.push(place as u32);
+                out.positions.push(*position);
+                out.normals.push(*normal);
+            }
+        }
+        out
+    };
+    Mesh {
+        positions: each(&mesh.positions),
+        normals: each(&mesh.normals),
+        influences: mesh.influences,
+        binding_indices: (vertices.iter())
+            .flat_map(|v| mesh.binding_indices[all(v)].iter().copied())
+            .collect(),
+        weights: (vertices.iter())
+            .flat_map(|v| mesh.weights[all(v)].iter().copied())
+            .collect(),
+        bindings: mesh.bindings.clone(),
+        morphs: mesh.morphs.iter().map(morph).collect(),
+        morph_weights: mesh.morph_weights.clone(),
+        morph_slots: mesh.morph_slots.clone(),
+        ..Mesh::default()
     }
 }
 
@@ -261,6 +368,20 @@ mod tests {
             }],
         };
         (character, clip)
+    }
+
+    #[test]
+    fn some_vertices_are_posed_as_all_are() {
+        let (character, clip) = arm(1.0, 2.0);
+        let mut all = PosedVertices::new(&character).unwrap();
+        let outermost = all.outermost();
+        assert!(outermost.contains(&1), "{outermost:?}");
+        let mut some = all.of_vertices(&[1, 2]);
+        assert_eq!(some.count(), 2);
+        for secs in [0.0, 0.4, 1.0] {
+            let expected = all.at(Some(&clip), secs)[1..].to_vec();
+            assert_eq!(some.at(Some(&clip), secs), expected);
+        }
     }
 
     #[test]

@@ -3,11 +3,14 @@
 use crate::table::Table;
 use articula::optimize::BytesByKind;
 
+/// Bytes of one kind.
+type Kind = fn(&BytesByKind) -> usize;
+
 /// A column for each file; parts that none has are left out.
 pub(crate) fn parts_table(files: &[(&'static str, BytesByKind)]) -> Table {
     let head: Vec<&str> = [vec!["bytes"], files.iter().map(|(name, _)| *name).collect()].concat();
     let mut table = Table::new(&head);
-    let kinds: [(&str, fn(&BytesByKind) -> usize); 6] = [
+    let kinds: [(&str, Kind); 6] = [
         ("document (JSON)", |bytes| bytes.json),
         ("keys", |bytes| bytes.keys),
         ("geometry", |bytes| bytes.geometry),

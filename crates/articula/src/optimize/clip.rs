@@ -32,6 +32,9 @@ pub(super) struct Subject<'a> {
     source: &'a Source,
     wanted: PosedVertices<'a>,
     stored: PosedVertices<'a>,
+    /// The vertices of both that refuse most trials.
+    wanted_outermost: PosedVertices<'a>,
+    stored_outermost: PosedVertices<'a>,
     subject: EditSubject<'a>,
 }
 
@@ -39,10 +42,14 @@ impl<'a> Subject<'a> {
     pub(super) fn new(source: &'a Source, stored: &'a Source) -> Result<Self> {
         let character = source.body();
         let joints = Articulation::unmapped(character.skeleton.joints.len());
+        let (wanted, stored) = (source.posed()?, stored.posed()?);
+        let outermost = wanted.outermost();
         Ok(Self {
             source,
-            wanted: source.posed()?,
-            stored: stored.posed()?,
+            wanted_outermost: wanted.of_vertices(&outermost),
+            stored_outermost: stored.of_vertices(&outermost),
+            wanted,
+            stored,
             subject: EditSubject::new(character, joints, &[])?,
         })
     }
@@ -114,13 +121,19 @@ impl<'a> Subject<'a> {
         options: &OptimizeOptions,
     ) -> Result<Option<OptimizedClip>> {
         let (mut from, mut to) = (self.wanted.clone(), self.stored.clone());
+        let mut outermost = (self.wanted_outermost.clone(), self.stored_outermost.clone());
         let (mut scale, mut over) = (1.0f32, f32::INFINITY);
         let mut best: Option<(f32, OptimizedClip)> = None;
         for _ in 0..TRIES {
             let tried = self.tried(clip, (scale * bound, times_secs), timelines, options)?;
             let shown = rounded_clip(&tried.clip, &tried.steps);
-            let wanted = (&mut from, Some(clip));
-            let error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
+            let wanted = (&mut outermost.0, Some(clip));
+            let found = (&mut outermost.1, Some(&shown));
+            let mut error = greatest_vertex_error(wanted, found, options.seed);
+            if error <= bound {
+                let wanted = (&mut from, Some(clip));
+                error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
+            }
             let ratio = (AIM * bound / error.max(1e-3 * bound)).clamp(0.25, 2.0);
             if error > bound {
                 over = over.min(scale);
