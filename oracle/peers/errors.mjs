@@ -31,8 +31,9 @@ const MOST_CANDIDATES = 24;
 const SEED = 1123;
 
 async function load(path) {
-  const { animations } = (await openScene(path)).gltf;
-  const { scene } = (await openScene(skin ?? path)).gltf;
+  const { animations, scene: own } = (await openScene(path)).gltf;
+  // Tracks of nodes without a name find them in the scene that they were loaded with.
+  const scene = skin ? (await openScene(skin)).gltf.scene : own;
   const meshes = [];
   scene.traverse((mesh) => mesh.isMesh && meshes.push(mesh));
   return { scene, animations, meshes, mixer: new AnimationMixer(scene) };
