@@ -63,6 +63,7 @@ mod moment;
 mod motion_bounds;
 mod motion_error;
 mod occluders;
+mod part_mesh;
 mod points;
 mod pose_cache;
 mod poses;

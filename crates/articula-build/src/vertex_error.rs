@@ -1,10 +1,11 @@
 //! The greatest distance of any vertex between two characters in motion, as their files are read.
 
 use crate::moment::Moment;
+use crate::part_mesh::part_mesh;
 use crate::split_mix::SplitMix;
 use articula_core::source::{Character, Property, RawClip, evaluate};
 use articula_core::{
-    Articulation, LocalPose, Mesh, Mismatch, ModelPose, Morph, Rig, local_to_model, palette,
+    Articulation, LocalPose, Mesh, Mismatch, ModelPose, Rig, local_to_model, palette,
 };
 use glam::{Affine3A, Vec3, Vec3A};
 use std::sync::Arc;
@@ -96,7 +97,7 @@ impl<'a> PosedVertices<'a> {
     #[must_use]
     pub fn of_vertices(&self, vertices: &[u32]) -> Self {
         Self {
-            mesh: Arc::new(chosen(&self.mesh, vertices)),
+            mesh: Arc::new(part_mesh(&self.mesh, vertices)),
             ..self.clone()
         }
     }
@@ -234,46 +235,6 @@ fn outermost(mesh: &Mesh) -> Vec<u32> {
     found.sort_unstable();
     found.dedup();
     found
-}
-
-/// A mesh of some vertices, which ascend, without triangles.
-fn chosen(mesh: &Mesh, vertices: &[u32]) -> Mesh {
-    let all = |v: &u32| *v as usize * mesh.influences..(*v as usize + 1) * mesh.influences;
-    let each = |of: &[Vec3]| vertices.iter().map(|v| of[*v as usize]).collect();
-    let morph = |morph: &Morph| {
-        let mut out = Morph {
-            slot: morph.slot,
-            vertices: Vec::new(),
-            positions: Vec::new(),
-            normals: Vec::new(),
-        };
-        for ((v, position), normal) in
-            (morph.vertices.iter().zip(&morph.positions)).zip(&morph.normals)
-        {
-            if let Ok(place) = vertices.binary_search(v) {
-                out.vertices.push(place as u32);
-                out.positions.push(*position);
-                out.normals.push(*normal);
-            }
-        }
-        out
-    };
-    Mesh {
-        positions: each(&mesh.positions),
-        normals: each(&mesh.normals),
-        influences: mesh.influences,
-        binding_indices: (vertices.iter())
-            .flat_map(|v| mesh.binding_indices[all(v)].iter().copied())
-            .collect(),
-        weights: (vertices.iter())
-            .flat_map(|v| mesh.weights[all(v)].iter().copied())
-            .collect(),
-        bindings: mesh.bindings.clone(),
-        morphs: mesh.morphs.iter().map(morph).collect(),
-        morph_weights: mesh.morph_weights.clone(),
-        morph_slots: mesh.morph_slots.clone(),
-        ..Mesh::default()
-    }
 }
 
 /// Greatest distance of any vertex between two characters of one order of vertices, each over a clip of

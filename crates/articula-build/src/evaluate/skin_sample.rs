@@ -1,9 +1,10 @@
 //! The vertices on which errors are measured, posed with the morph targets of the clip.
 
 use crate::character::Asset;
+use crate::part_mesh::part_mesh;
 use crate::points::draw_vertices;
 use crate::simplify::vertex_regions;
-use articula_core::{LocalPose, Mesh, Morph, PosedMesh, Region, Rig, SkinnedMesh};
+use articula_core::{LocalPose, Mesh, PosedMesh, Region, Rig, SkinnedMesh};
 use glam::Vec3;
 use std::borrow::Cow;
 
@@ -20,7 +21,7 @@ impl<'a> SkinSample<'a> {
         let regions = vertex_regions(&asset.mesh, &asset.rig);
         let vertices = stratified(&regions, count, seed);
         Self {
-            mesh: Cow::Owned(part(&asset.mesh, &vertices)),
+            mesh: Cow::Owned(part_mesh(&asset.mesh, &vertices)),
         }
     }
 
@@ -67,41 +68,6 @@ fn stratified(regions: &[Region], count: usize, seed: u64) -> Vec<u32> {
     }
     chosen.sort_unstable();
     chosen
-}
-
-/// The mesh of some vertices, without triangles.
-fn part(mesh: &Mesh, vertices: &[u32]) -> Mesh {
-    let influences = |v: &u32| *v as usize * mesh.influences..(*v as usize + 1) * mesh.influences;
-    let pick = |of: &[Vec3]| vertices.iter().map(|v| of[*v as usize]).collect();
-    let morph = |morph: &Morph| {
-        let moved = morph.vertices.iter().enumerate();
-        let moved: Vec<(usize, u32)> = moved
-            .filter_map(|(i, v)| Some((i, vertices.binary_search(v).ok()? as u32)))
-            .collect();
-        Morph {
-            slot: morph.slot,
-            vertices: moved.iter().map(|(_, v)| *v).collect(),
-            positions: moved.iter().map(|(i, _)| morph.positions[*i]).collect(),
-            normals: moved.iter().map(|(i, _)| morph.normals[*i]).collect(),
-        }
-    };
-    Mesh {
-        positions: pick(&mesh.positions),
-        normals: pick(&mesh.normals),
-        influences: mesh.influences,
-        binding_indices: vertices
-            .iter()
-            .flat_map(|v| mesh.binding_indices[influences(v)].iter().copied())
-            .collect(),
-        weights: vertices
-            .iter()
-            .flat_map(|v| mesh.weights[influences(v)].iter().copied())
-            .collect(),
-        bindings: mesh.bindings.clone(),
-        morphs: mesh.morphs.iter().map(morph).collect(),
-        morph_weights: mesh.morph_weights.clone(),
-        ..Mesh::default()
-    }
 }
 
 #[cfg(test)]

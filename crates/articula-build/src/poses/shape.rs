@@ -6,8 +6,9 @@
 use super::skin_pose::SkinPose;
 use crate::character::Asset;
 use crate::joint_lods::principal;
+use crate::part_mesh::part_mesh;
 use crate::points::draw_vertices;
-use articula_core::{Mesh, Morph};
+use articula_core::Mesh;
 use glam::{DMat3, DMat4, DVec3, DVec4, Quat, Vec3};
 
 /// Number of vertices in the sample of the skin.
@@ -32,25 +33,7 @@ impl Sample {
     pub(super) fn draw(mesh: &Mesh, seed: u64) -> Self {
         let mut vertices = draw_vertices(mesh.len(), WATCHED, seed);
         vertices.retain(|v| mesh.positions[*v as usize].is_finite());
-        let at = |v: &u32| *v as usize * mesh.influences..(*v as usize + 1) * mesh.influences;
-        let each = |of: &dyn Fn(usize) -> Vec3| vertices.iter().map(|v| of(*v as usize)).collect();
-        let mesh = Mesh {
-            positions: each(&|v| mesh.positions[v]),
-            normals: each(&|v| mesh.normals[v]),
-            influences: mesh.influences,
-            binding_indices: vertices
-                .iter()
-                .flat_map(|v| mesh.binding_indices[at(v)].iter().copied())
-                .collect(),
-            weights: vertices
-                .iter()
-                .flat_map(|v| mesh.weights[at(v)].iter().copied())
-                .collect(),
-            bindings: mesh.bindings.clone(),
-            morphs: mesh.morphs.iter().map(|m| part(m, &vertices)).collect(),
-            morph_weights: mesh.morph_weights.clone(),
-            ..Mesh::default()
-        };
+        let mesh = part_mesh(mesh, &vertices);
         Self { mesh }
     }
 
@@ -110,24 +93,6 @@ fn horn(sum: &DMat3) -> DMat4 {
         DVec4::new(pzx, pyz, z - x - y, xy),
         DVec4::new(yz, zx, xy, x + y + z),
     )
-}
-
-/// The part of a morph target that moves the given vertices (ascending), with indices into these.
-fn part(morph: &Morph, vertices: &[u32]) -> Morph {
-    let mut out = Morph {
-        slot: morph.slot,
-        vertices: Vec::new(),
-        positions: Vec::new(),
-        normals: Vec::new(),
-    };
-    for (i, v) in morph.vertices.iter().enumerate() {
-        if let Ok(place) = vertices.binary_search(v) {
-            out.vertices.push(place as u32);
-            out.positions.push(morph.positions[i]);
-            out.normals.push(morph.normals[i]);
-        }
-    }
-    out
 }
 
 #[cfg(test)]
