@@ -120,13 +120,13 @@ pub(super) fn evaluated(
     Ok(rows)
 }
 
-/// Returns the keys of a clip for several levels: one list for each tolerance of each level.
+/// Returns the keys of a clip for several levels, from one on: one list for each tolerance of each level.
 pub(super) fn choose(
     clips: &ClipSet,
     (clip, ticks): (usize, &Ticks),
     map: &PaletteMap,
     skins: &mut Skins,
-    tolerances: &[Vec<f32>],
+    (from, tolerances): (usize, &[Vec<f32>]),
 ) -> Result<Vec<Vec<Chosen>>, Mismatch> {
     let begun = |of: &Vec<f32>| vec![(vec![0usize], false); of.len()];
     let mut found: Vec<Vec<(Vec<usize>, bool)>> = tolerances.iter().map(begun).collect();
@@ -137,7 +137,7 @@ pub(super) fn choose(
         for (level, found) in found.iter_mut().enumerate() {
             let skin = |half: usize| {
                 let mut points = Vec::new();
-                skins.points(level, &rows[half * stride..][..stride], &mut points);
+                skins.points(from + level, &rows[half * stride..][..stride], &mut points);
                 points
             };
             let poses: Vec<Vec<Vec3>> = (0..=2 * (last - first)).map(skin).collect();
@@ -191,7 +191,7 @@ fn is_straight(poses: &[Vec<Vec3>], drawn: &[bool], span: Range<usize>, toleranc
 
 /// Number of values of `count` that may exceed their 95th percentile as `percentile` interpolates
 /// it: those beyond the upper of its two neighbours.
-fn points_beyond(count: usize) -> usize {
+pub(super) fn points_beyond(count: usize) -> usize {
     let below = (0.95 * count.saturating_sub(1) as f32) as usize;
     count.saturating_sub(below + 2)
 }

@@ -17,8 +17,9 @@
 //! display.
 
 mod bake;
-mod farthest;
 mod keys;
+mod level_error;
+mod looks;
 mod measure;
 mod skins;
 mod steps;
@@ -168,24 +169,35 @@ pub fn cached_poses(
     let (mut keys, mut steps) = placed(&plans, map);
     let rows = bake(&baker, clips, (&keys, &steps), opts.form)?;
     let unmeasured = PoseCache::new(clips, map, &keys, rows.clone())?.with_steps(clips, &steps)?;
+    let all = levels.joint_lods.levels();
     for (clip, ticks) in ticks.iter().enumerate() {
-        let errors = measure(&unmeasured, clips, (clip, ticks), map, &mut skins)?;
-        for (level, error) in errors.into_iter().enumerate() {
-            let Some(keys) = &mut keys[clip][level] else {
-                continue;
-            };
-            let report = &mut plans[clip][level].report;
+        // The finest level with palettes shares them with all coarser ones.
+        let owner = keys[clip].iter().position(Option::is_some).unwrap_or(all);
+        let of = (&skins, owner..all);
+        let errors = match owner < all {
+            true => measure(&unmeasured, clips, (clip, ticks), map, of)?,
+            false => Vec::new(),
+        };
+        let cached = keys[clip].iter_mut().zip(&mut plans[clip]).skip(owner);
+        for ((keys, plan), error) in cached.zip(errors) {
+            let Some(keys) = keys else { continue };
             keys.error_metres = error.judged_metres();
-            report.error_metres = keys.error_metres;
-            report.worst_metres = error.worst_metres;
+            plan.report.error_metres = keys.error_metres;
+            plan.report.worst_metres = error.worst_metres;
         }
-        for (level, steps) in steps[clip].iter_mut().enumerate() {
+        let owner = steps[clip].iter().position(Option::is_some).unwrap_or(all);
+        let count = steps[clip].get(owner).and_then(Option::as_ref);
+        let Some(count) = count.map(|steps| steps.count as usize) else {
+            continue;
+        };
+        let ticks = Ticks::of_steps(count, clips.duration_secs(clip));
+        let of = (&skins, owner..all);
+        let errors = measure_steps(&unmeasured, clips, (clip, &ticks), map, of)?;
+        let stepped = steps[clip].iter_mut().zip(&mut plans[clip]).skip(owner);
+        for ((steps, plan), error) in stepped.zip(errors) {
             let Some(steps) = steps else { continue };
-            let ticks = Ticks::of_steps(steps.count as usize, clips.duration_secs(clip));
-            let of = (clip, level, &ticks);
-            let error = measure_steps(&unmeasured, clips, of, map, &mut skins)?;
             steps.error_metres = error.judged_metres();
-            plans[clip][level].report.step_error_metres = steps.error_metres;
+            plan.report.step_error_metres = steps.error_metres;
         }
     }
     Ok(CachedPoses {
@@ -295,7 +307,7 @@ fn planned(
         .map(|level| opts.tolerances_metres(level, &own))
         .collect();
     let map = &levels.skins.palette;
-    let chosen = choose(clips, (clip, ticks), map, skins, &tolerances)?;
+    let chosen = choose(clips, (clip, ticks), map, skins, (0, &tolerances))?;
     let plans = chosen.into_iter().enumerate().map(|(level, mut chosen)| {
         // The tightest tolerance whose keys pay, or else the tightest.
         let at = chosen.iter().position(|c| c.follows).unwrap_or(0);

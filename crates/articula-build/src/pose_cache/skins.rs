@@ -1,6 +1,7 @@
 //! The skins of all levels and their watched vertices.
 
 use super::CacheOptions;
+use super::level_error::{Group, LevelError};
 use crate::character::Asset;
 use crate::joint_lods::{MergedLevels, Watched};
 use articula_core::{Mesh, skin_points};
@@ -9,7 +10,11 @@ use glam::{Affine3A, Vec3};
 /// The skins of all levels and the vertices to measure.
 pub(super) struct Skins {
     meshes: Vec<Mesh>,
+    /// Vertices of each binding, of each level.
+    groups: Vec<Vec<Group>>,
     watched: Watched,
+    /// Vertices of the sample over which percentiles are computed.
+    sample: Vec<u32>,
     palette: Vec<Affine3A>,
 }
 
@@ -19,21 +24,26 @@ impl Skins {
     pub(super) fn new(asset: &Asset, levels: &MergedLevels, opts: &CacheOptions) -> Self {
         let full = &asset.mesh;
         let all = 0..levels.skins.levels.len();
+        let meshes: Vec<Mesh> = all.map(|level| levels.skins.mesh(level, full)).collect();
+        let watched = Watched::tips(full, opts.vertices, opts.seed);
+        let drawn = watched.vertices.iter().zip(&watched.drawn);
         Self {
-            meshes: all.map(|level| levels.skins.mesh(level, full)).collect(),
-            watched: Watched::tips(full, opts.vertices, opts.seed),
+            groups: meshes.iter().map(Group::of).collect(),
+            meshes,
+            sample: drawn.filter(|(_, d)| **d).map(|(v, _)| *v).collect(),
+            watched,
             palette: Vec::new(),
         }
-    }
-
-    /// Number of levels.
-    pub(super) fn levels(&self) -> usize {
-        self.meshes.len()
     }
 
     /// Mesh of a level.
     pub(super) fn mesh(&self, level: usize) -> &Mesh {
         &self.meshes[level]
+    }
+
+    /// The error of nothing yet at a level.
+    pub(super) fn error(&self, level: usize) -> LevelError<'_> {
+        LevelError::new(&self.meshes[level], &self.groups[level], &self.sample)
     }
 
     /// Whether each watched vertex belongs to the sample over which percentiles are computed.
@@ -44,27 +54,16 @@ impl Skins {
     /// Posed positions of the watched vertices of a level; the palette may hold more matrices than
     /// the level needs.
     pub(super) fn points(&mut self, level: usize, rows: &[[f32; 4]], out: &mut Vec<Vec3>) {
-        let mut palette = std::mem::take(&mut self.palette);
-        self.matrices(level, rows, &mut palette);
-        self.posed(level, &palette, out);
-        self.palette = palette;
-    }
-
-    /// Matrices of a level's bindings.
-    pub(super) fn matrices(&self, level: usize, rows: &[[f32; 4]], out: &mut Vec<Affine3A>) {
-        out.clear();
-        let matrices = rows.chunks_exact(3).take(self.meshes[level].bindings.len());
-        out.extend(matrices.map(matrix));
-    }
-
-    /// Posed positions of the watched vertices of a level.
-    pub(super) fn posed(&self, level: usize, palette: &[Affine3A], out: &mut Vec<Vec3>) {
+        let mesh = &self.meshes[level];
+        self.palette.clear();
+        let matrices = rows.chunks_exact(3).take(mesh.bindings.len());
+        self.palette.extend(matrices.map(matrix));
         out.resize(self.watched.vertices.len(), Vec3::ZERO);
-        skin_points(&self.meshes[level], palette, &self.watched.vertices, out);
+        skin_points(mesh, &self.palette, &self.watched.vertices, out);
     }
 }
 
-fn matrix(rows: &[[f32; 4]]) -> Affine3A {
+pub(super) fn matrix(rows: &[[f32; 4]]) -> Affine3A {
     let column = |c: usize| Vec3::new(rows[0][c], rows[1][c], rows[2][c]).into();
     Affine3A::from_cols(column(0), column(1), column(2), column(3))
 }
