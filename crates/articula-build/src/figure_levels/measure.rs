@@ -63,15 +63,16 @@ impl<'a> LevelMeasurement<'a> {
     pub(super) fn measure(&self, shown: &[DisplayedLevel], frames: usize) -> Vec<Vec<Tally>> {
         let asset = self.asset;
         let mut truth = Poser::new(&asset.mesh, self.watched.vertices.clone());
-        let mut skins: Vec<Poser<'_>> = self
-            .skins
-            .iter()
-            .map(|mesh| Poser::new(mesh, (0..mesh.len() as u32).collect()))
+        let needed = self.needed(shown);
+        let skins = self.skins.iter().zip(&needed);
+        let mut skins: Vec<Poser<'_>> = skins
+            .map(|(mesh, vertices)| Poser::new(mesh, vertices.clone()))
             .collect();
-        let mut is_used = vec![false; skins.len()];
-        for s in shown {
-            is_used[s.skin] = true;
-        }
+        let points = shown.iter().map(|s| {
+            let among = self.points[s.points].iter();
+            among.map(|p| p.among(&needed[s.skin])).collect()
+        });
+        let points: Vec<Vec<SkinPoint>> = points.collect();
         let mut lengths = Vec::with_capacity(self.watched.vertices.len());
         let mut there: Vec<Vec3> = Vec::with_capacity(self.watched.vertices.len());
         let mut out = Vec::with_capacity(asset.clips.len());
@@ -81,13 +82,13 @@ impl<'a> LevelMeasurement<'a> {
             for frame in spread_frames(clip.frames(), count) {
                 let model = model_of(asset, &pose_of(asset, clip, frame));
                 let truth = truth.pose(&model);
-                for (skin, _) in skins.iter_mut().zip(&is_used).filter(|(_, u)| **u) {
+                for (skin, _) in skins.iter_mut().zip(&needed).filter(|(_, n)| !n.is_empty()) {
                     skin.pose(&model);
                 }
-                for (tally, s) in tallies.iter_mut().zip(shown) {
+                for (tally, (s, points)) in tallies.iter_mut().zip(shown.iter().zip(&points)) {
                     let posed = &skins[s.skin].points;
                     there.clear();
-                    there.extend(self.points[s.points].iter().map(|p| p.posed(posed)));
+                    there.extend(points.iter().map(|p| p.posed(posed)));
                     let tallied = compare(truth, &there, self.watched, &mut lengths);
                     *tally = tally.worst_of(tallied);
                 }
@@ -95,5 +96,19 @@ impl<'a> LevelMeasurement<'a> {
             out.push(tallies);
         }
         out
+    }
+
+    /// Vertices of each skin between which the points of displayed levels are: few where a coarse mesh is shown
+    /// with it alone.
+    fn needed(&self, shown: &[DisplayedLevel]) -> Vec<Vec<u32>> {
+        let of_skin = |skin: usize| {
+            let with = shown.iter().filter(|s| s.skin == skin);
+            let mut levels: Vec<usize> = with.map(|s| s.points).collect();
+            levels.sort_unstable();
+            levels.dedup();
+            let points: Vec<&[SkinPoint]> = levels.iter().map(|l| &self.points[*l][..]).collect();
+            corners(&points.concat())
+        };
+        (0..self.skins.len()).map(of_skin).collect()
     }
 }

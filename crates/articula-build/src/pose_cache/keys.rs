@@ -90,7 +90,7 @@ impl Ticks {
 }
 
 /// Keys of one clip at one level.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Chosen {
     pub(super) times_secs: Vec<f32>,
     /// Whether their blends follow the motion and are far enough apart.

@@ -31,7 +31,7 @@ use articula_core::{
     Backend, CachedKeys, CachedSteps, ClipSet, Mismatch, PaletteForm, PaletteMap, PoseCache,
 };
 use bake::{Keys, Steps, bake, bytes_of};
-use keys::{Ticks, choose};
+use keys::{Chosen, Ticks, choose};
 use measure::{measure, measure_steps};
 use skins::Skins;
 use steps::wanted_steps;
@@ -161,9 +161,19 @@ pub fn cached_poses(
     let baker = BatchEvaluator::new(clips, map, opts.form, Backend::best())?;
     let mut skins = Skins::new(asset, levels, opts);
     let ticks = ticks_of(asset, clips);
-    let mut plans = Vec::with_capacity(clips.clips());
-    for (clip, ticks) in ticks.iter().enumerate() {
-        plans.push(planned(levels, clips, (clip, ticks), &mut skins, opts)?);
+    let mut plan = |reach| -> Result<Vec<Vec<Plan>>, Mismatch> {
+        let each = ticks.iter().enumerate();
+        let each = each.map(|at| planned(levels, clips, at, (&mut skins, reach), opts));
+        each.collect()
+    };
+    let mut plans = plan(Reach::Finest)?;
+    if plans
+        .iter()
+        .map(|of_clip| finest_bytes(of_clip))
+        .sum::<usize>()
+        > opts.palette_bytes
+    {
+        plans = plan(Reach::Every)?;
     }
     allot(&mut plans, opts.palette_bytes);
     let (mut keys, mut steps) = placed(&plans, map);
@@ -293,12 +303,20 @@ impl Plan {
     }
 }
 
-/// Keys of one clip at every level.
+/// Levels of a clip whose keys are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reach {
+    /// Up to the finest whose keys pay, which it shares with coarser ones where there is room.
+    Finest,
+    Every,
+}
+
+/// Keys of one clip at every level that is reached.
 fn planned(
     levels: &MergedLevels,
     clips: &ClipSet,
     (clip, ticks): (usize, &Ticks),
-    skins: &mut Skins,
+    (skins, reach): (&mut Skins, Reach),
     opts: &CacheOptions,
 ) -> Result<Vec<Plan>, Mismatch> {
     let own = levels.errors.clips.get(clip);
@@ -307,7 +325,20 @@ fn planned(
         .map(|level| opts.tolerances_metres(level, &own))
         .collect();
     let map = &levels.skins.palette;
-    let chosen = choose(clips, (clip, ticks), map, skins, (0, &tolerances))?;
+    let of = (clip, ticks);
+    let mut chosen = Vec::with_capacity(tolerances.len());
+    if reach == Reach::Every {
+        chosen = choose(clips, of, map, skins, (0, &tolerances))?;
+    }
+    let pays = |of_level: &Vec<Chosen>| of_level.iter().any(|c| c.follows);
+    while chosen.len() < tolerances.len() && !chosen.iter().any(pays) {
+        let level = chosen.len();
+        let of_level = &tolerances[level..=level];
+        chosen.extend(choose(clips, of, map, skins, (level, of_level))?);
+    }
+    // Left to the keys of the finer one that pay.
+    let left = tolerances[chosen.len()..].iter();
+    chosen.extend(left.map(|of| vec![Chosen::default(); of.len()]));
     let plans = chosen.into_iter().enumerate().map(|(level, mut chosen)| {
         // The tightest tolerance whose keys pay, or else the tightest.
         let at = chosen.iter().position(|c| c.follows).unwrap_or(0);
@@ -349,6 +380,12 @@ fn planned(
         }
     }
     Ok(plans)
+}
+
+/// Bytes of a clip's palettes if those of its finest levels are taken.
+fn finest_bytes(of_clip: &[Plan]) -> usize {
+    let finest = |list: usize| of_clip.iter().find_map(|plan| plan.wanted_bytes()[list]);
+    [0, 1].map(|list| finest(list).unwrap_or(0)).iter().sum()
 }
 
 /// Gives the levels of each clip palettes, those of the finest level that fits; the coarsest levels come
