@@ -97,7 +97,7 @@ pub use mesh_levels::{
     LeftOutLevel, LeftOutReason, MeasurementPoses, MeshLevelOptions, MeshLevels, RegionMix,
     measure_levels, measure_mesh, mesh_level_triangles, mesh_levels,
 };
-pub use motion_bounds::motion_bounds;
+pub use motion_bounds::{motion_bounds, reach_bounds};
 pub use motion_error::{
     ChainTolerance, JointLever, contact_table, joint_bounds, key_table, levers, moving_joints,
     pose_keys, table_hashes,

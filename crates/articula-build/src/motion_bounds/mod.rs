@@ -57,6 +57,38 @@ pub fn motion_bounds(asset: &Asset, margin_metres: f32) -> Result<MotionBounds, 
     })
 }
 
+/// Bounds of the clips of a character that no pose is needed for: a sphere around the origin of the model
+/// that no skin leaves, whatever the rotations of its joints. They are wider than those of
+/// [`motion_bounds`], which they contain, and take milliseconds.
+///
+/// # Errors
+/// A [`Mismatch`] if a position or length of the character or its clips is not finite.
+pub fn reach_bounds(asset: &Asset) -> Result<MotionBounds, Mismatch> {
+    let reach = Reach::new(asset);
+    let out = reach.origin_metres() + ROUNDING_METRES;
+    if !out.is_finite() {
+        let what = "the lengths of the skeleton are not finite";
+        return Err(Mismatch::new("rig", what));
+    }
+    let around = Sphere {
+        centre: Vec3::ZERO,
+        radius: out,
+    };
+    let bound = Bound {
+        sphere: around,
+        least: Vec3::splat(-out),
+        greatest: Vec3::splat(out),
+    };
+    let of = |clip: &Clip| {
+        let secs = clip.duration_secs();
+        ClipBounds::new(secs, vec![bound; ClipBounds::count(secs)], around)
+    };
+    Ok(MotionBounds {
+        clips: asset.clips.iter().map(of).collect::<Result<_, _>>()?,
+        reach_metres: reach.anchor_metres() + ROUNDING_METRES,
+    })
+}
+
 fn measure(
     asset: &Asset,
     reach: &Reach,

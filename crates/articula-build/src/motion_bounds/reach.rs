@@ -18,6 +18,8 @@ pub(crate) struct Reach {
     scales: Vec<f32>,
     anchor: Option<usize>,
     anchor_metres: f32,
+    /// Maximum distance of skin from the origin of the model, in metres.
+    origin_metres: f32,
     /// Maximum displacement of a vertex by each morph slot at weight 1, in model space.
     morphs: Vec<f32>,
 }
@@ -66,6 +68,7 @@ impl Reach {
             scales,
             anchor,
             anchor_metres,
+            origin_metres: from_origin,
         }
     }
 
@@ -78,6 +81,11 @@ impl Reach {
     /// Maximum distance of skin from the anchor, in metres.
     pub(super) fn anchor_metres(&self) -> f32 {
         self.anchor_metres
+    }
+
+    /// Maximum distance of skin from the origin of the model, in any pose, in metres.
+    pub(super) fn origin_metres(&self) -> f32 {
+        self.origin_metres
     }
 
     /// Maximum travel of any skin from one frame to the next, in metres.

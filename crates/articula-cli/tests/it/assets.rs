@@ -7,6 +7,7 @@ use std::path::Path;
 
 /// Fields that are times.
 const TIMES: &[&str] = &[
+    "first_frame_ms",
     "ready_ms",
     "ns_per_character",
     "characters_per_ms",

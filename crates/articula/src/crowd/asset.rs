@@ -5,7 +5,9 @@ use super::material_ranges::{MaterialRange, material_ranges};
 use super::mesh_choice::{levelled, mesh_levels};
 use super::mesh_lods::{LevelledMeshes, MeshLods};
 use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
-use super::preparation::{CharacterInPlace, PREPARING, bounds, in_place, joint_levels};
+use super::preparation::{
+    CharacterInPlace, PREPARING, bounds, bounds_at_once, in_place, joint_levels, level_at_once,
+};
 use super::shared_model::{Shown, drawn_triangles, model};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
@@ -35,6 +37,15 @@ struct Shared {
     has_mesh: bool,
     travels: Vec<bool>,
     warnings: Vec<String>,
+}
+
+/// What an asset is made with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Effort {
+    /// All that its options ask for.
+    Whole,
+    /// What needs no measurement.
+    AtOnce,
 }
 
 /// Properties of one level of a crowd's character.
@@ -73,10 +84,35 @@ impl CrowdAsset {
     /// An [`Error`](crate::Error) that names the file: a clip named in the options does not exist,
     /// the options do not fit the character, or [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn new(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
-        Self::of_figure(figure, options, work).with_context(|| figure.opened.name())
+        Self::of_figure(figure, (options, Effort::Whole), work)
+            .with_context(|| figure.opened.name())
     }
 
-    fn of_figure(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
+    /// A character of full detail, each with a pose of its own, for the first frames: nothing is measured or
+    /// simplified, so it is made in a fraction of the time. [`new`](Self::new) with the same options makes
+    /// the asset that [`CrowdPlayer::set_asset`](super::CrowdPlayer::set_asset) replaces it by. Bounds are
+    /// wider than those, so that more is drawn of who is nearly in view.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn at_once(figure: &Figure, options: &CrowdOptions) -> Result<Self> {
+        let plain = CrowdOptions {
+            joints: JointLodMethod::Whole,
+            mesh_levels: Some(1),
+            pose_cache: false,
+            #[cfg(feature = "flat")]
+            impostors: None,
+            ..options.clone()
+        };
+        let made = Self::of_figure(figure, (&plain, Effort::AtOnce), &Executor::default());
+        made.with_context(|| figure.opened.name())
+    }
+
+    fn of_figure(
+        figure: &Figure,
+        (options, effort): (&CrowdOptions, Effort),
+        work: &Executor<'_>,
+    ) -> Result<Self> {
         let mut stored = figure.stored();
         let mut character = in_place(figure, options.root_motion, stored.as_ref())?;
         let kept = kept_clips(&character.asset.clips, &options.clips)?;
@@ -92,7 +128,7 @@ impl CrowdAsset {
         let levels = stored.as_ref().filter(|s| {
             s.seed() == options.seed && options.root_motion != RootMotionPolicy::AsAuthored
         });
-        let mut crowd = Self::prepared(character, (Some(figure), levels), options, work)?;
+        let mut crowd = Self::prepared(character, (Some(figure), levels), (options, effort), work)?;
         if let (Some(shared), Some(stored)) = (Arc::get_mut(&mut crowd.0), stored) {
             shared.warnings.extend(stored.into_warnings());
         }
@@ -106,13 +142,13 @@ impl CrowdAsset {
     /// [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn from_asset(asset: Asset, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
         let character = CharacterInPlace::authored(asset);
-        Self::prepared(character, (None, None), options, work)
+        Self::prepared(character, (None, None), (options, Effort::Whole), work)
     }
 
     fn prepared(
         character: CharacterInPlace,
         (figure, stored): (Option<&Figure>, Option<&Stored<'_>>),
-        options: &CrowdOptions,
+        (options, effort): (&CrowdOptions, Effort),
         work: &Executor<'_>,
     ) -> Result<Self> {
         let CharacterInPlace {
@@ -131,7 +167,10 @@ impl CrowdAsset {
         let has_mesh = !asset.mesh.is_empty();
         // Before points replace a missing mesh, since bounds from joints are better than from
         // points.
-        let bounds = bounds(&asset, stored)?;
+        let bounds = match effort {
+            Effort::Whole => bounds(&asset, stored)?,
+            Effort::AtOnce => bounds_at_once(&asset)?,
+        };
         work.step(PREPARING, 1, 5)?;
         if !has_mesh {
             warnings.push("the file has no mesh: points on the bones replace the skin".to_owned());
@@ -142,7 +181,10 @@ impl CrowdAsset {
             seed: options.seed,
             ..JointLodOptions::default()
         };
-        let (levels, stored) = joint_levels(&asset, &options.joints, &opts, stored, work)?;
+        let (levels, stored) = match effort {
+            Effort::Whole => joint_levels(&asset, &options.joints, &opts, stored, work)?,
+            Effort::AtOnce => (level_at_once(&asset, &opts)?, None),
+        };
         let triangles = match has_mesh {
             true => mesh_levels(figure, &asset, options, stored.is_some(), &mut warnings)?,
             false => None,

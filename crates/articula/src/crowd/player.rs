@@ -112,6 +112,37 @@ impl CrowdPlayer {
         })
     }
 
+    /// Replaces the asset between two frames, such as one made [at once](CrowdAsset::at_once) by the prepared
+    /// one: transforms, importance, clips, their times and fades stay, and the next frame chooses among
+    /// the new levels. It tells the level of each character in view as if it appeared. Allocates what
+    /// [`new`](Self::new) does.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the asset has other clips, or as of [`new`](Self::new); the crowd is then as
+    /// before.
+    pub fn set_asset(&mut self, asset: &CrowdAsset) -> Result<()> {
+        let told = |asset: &CrowdAsset| {
+            let clips = asset.clips().iter();
+            let clips: Vec<_> = clips.map(|c| (c.name.clone(), c.duration_secs())).collect();
+            (clips, asset.full().rig.len())
+        };
+        if told(&self.asset) != told(asset) {
+            let what = "the asset is of another character, or has other clips than the crowd's; prepare the same figure with the same clips";
+            return Err(Error::unsuited(what));
+        }
+        let mut next = Self::new(asset, self.positions.len())?;
+        for character in 0..self.positions.len() {
+            next.crowd.play(character, self.crowd.state(character));
+        }
+        (next.detail, next.cache) = (self.detail, self.cache);
+        next.positions = std::mem::take(&mut self.positions);
+        next.rotations = std::mem::take(&mut self.rotations);
+        next.scales = std::mem::take(&mut self.scales);
+        next.importance = std::mem::take(&mut self.importance);
+        *self = next;
+        Ok(())
+    }
+
     /// Returns the asset that the crowd was made from.
     pub fn asset(&self) -> &CrowdAsset {
         &self.asset

@@ -11,11 +11,11 @@ use crate::work::Executor;
 use articula_build::{Asset, ClipOptions, character};
 use articula_build::{
     CacheOptions, JointLodOptions, MergedLevels, cache_of_keys, cached_poses, joint_lods,
-    level_skins, lod_errors, mean_pose, motion_bounds, named_joint_lods,
+    level_skins, lod_errors, mean_pose, motion_bounds, named_joint_lods, reach_bounds,
 };
 use articula_core::crowd::RootTrajectory;
 use articula_core::{
-    ClipSet, JointLods, LodErrors, MotionBounds, PaletteForm, PaletteMap, PoseCache,
+    ClipLodErrors, ClipSet, JointLods, LodErrors, MotionBounds, PaletteForm, PaletteMap, PoseCache,
 };
 use articula_formats::prepared::ClipsInPlace;
 
@@ -94,6 +94,33 @@ pub(crate) fn in_place(
         asset,
         paths,
         warnings,
+    })
+}
+
+/// Bounds of a character in its clips, without a pose.
+pub(crate) fn bounds_at_once(asset: &Asset) -> Result<MotionBounds> {
+    reach_bounds(asset).context("bounds")
+}
+
+/// The full character as the only level.
+pub(crate) fn level_at_once(asset: &Asset, opts: &JointLodOptions) -> Result<MergedLevels> {
+    let joint_lods = JointLods::whole(&asset.rig).context("levels")?;
+    let skins = level_skins(asset, &joint_lods, opts).context("skins")?;
+    // Speed and seam decide about cached poses alone, of which there are none.
+    let exact = ClipLodErrors {
+        levels_metres: vec![0.0],
+        worst_metres: vec![0.0],
+        speed_metres_per_sec: 0.0,
+        seam_metres: 0.0,
+    };
+    let errors = LodErrors {
+        clips: vec![exact; asset.clips.len()],
+    };
+    Ok(MergedLevels {
+        joint_lods,
+        skins,
+        far: None,
+        errors,
     })
 }
 

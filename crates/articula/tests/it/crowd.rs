@@ -271,3 +271,91 @@ fn too_large_a_crowd_is_refused() {
     let why = CrowdPlayer::new(asset, usize::MAX / 1000).unwrap_err();
     assert!(why.to_string().contains("lower the count"), "{why}");
 }
+
+/// What is shown of each character, as positions of the vertices of its mesh.
+fn shown(crowd: &CrowdPlayer, count: usize) -> Vec<Option<Vec<Vec3>>> {
+    let skinned = (0..count).map(|i| crowd.skinned(i));
+    skinned
+        .map(|of| of.map(|(_, skinned)| skinned.positions))
+        .collect()
+}
+
+#[test]
+fn a_crowd_starts_at_once_and_takes_the_prepared_asset_between_frames() {
+    let options = CrowdOptions::default();
+    let figure = Figure::new(human()).unwrap();
+    let at_once = CrowdAsset::at_once(&figure, &options).unwrap();
+    assert_eq!((at_once.levels(), at_once.has_mesh_lods()), (1, false));
+    assert_eq!(at_once.full().mesh.positions, at_once.mesh(0).positions);
+    let prepared = human_asset();
+    let bounds = [&at_once, prepared].map(|asset| &asset.model().parts().bounds.clips);
+    for (wide, close) in bounds[0].iter().zip(bounds[1]) {
+        let (wide, close) = (wide.whole().sphere, close.whole().sphere);
+        assert!(wide.centre.distance(close.centre) + close.radius <= wide.radius);
+    }
+
+    let count = 12;
+    let (mut crowd, camera) = row(&at_once, count);
+    crowd.set_importance(3, 2.0);
+    crowd.set_scale(4, 1.5);
+    for _ in 0..5 {
+        crowd.frame(0.1, &camera);
+    }
+    crowd.fade_to(2, 1, 0.5);
+    crowd.frame(0.1, &camera);
+    let before = shown(&crowd, count);
+    crowd.set_asset(prepared).unwrap();
+    crowd.frame(0.0, &camera);
+    assert!((0..count).any(|i| crowd.crowd().level(i) > Some(0)));
+
+    // The same as if it had been prepared from the beginning.
+    let (mut other, _) = row(prepared, count);
+    other.set_importance(3, 2.0);
+    other.set_scale(4, 1.5);
+    for _ in 0..5 {
+        other.frame(0.1, &camera);
+    }
+    other.fade_to(2, 1, 0.5);
+    other.frame(0.1, &camera);
+    assert_eq!(shown(&crowd, count), shown(&other, count));
+
+    // Within a pixel of what was shown in full detail: 95 of 100 vertices, and all within two.
+    let depth = |at: Vec3| camera.project(at).1;
+    for (i, full) in before.iter().enumerate() {
+        let (Some(full), Some((mesh, now))) = (full, crowd.skinned(i)) else {
+            panic!("character {i} is in view before and after");
+        };
+        let used: std::collections::BTreeSet<u32> =
+            mesh.triangles.iter().flatten().copied().collect();
+        let world = crowd.world_from_model(i);
+        let mut px: Vec<f32> = used
+            .iter()
+            .map(|v| {
+                let [a, b] = [full[*v as usize], now.positions[*v as usize]];
+                let [a, b] = [a, b].map(|p| world.transform_point3(p));
+                a.distance(b) * camera.viewport.pixels_per_metre(depth(a))
+            })
+            .collect();
+        px.sort_by(f32::total_cmp);
+        assert!(
+            px[px.len() * 94 / 100] <= 1.0 && px[px.len() - 1] <= 2.0,
+            "{i}: {px:?}"
+        );
+    }
+}
+
+#[test]
+fn an_asset_of_other_clips_is_refused_and_changes_nothing() {
+    let figure = Figure::new(human()).unwrap();
+    let one = CrowdOptions {
+        clips: vec![figure.asset.clips[0].name.clone()],
+        ..CrowdOptions::default()
+    };
+    let other = CrowdAsset::at_once(&figure, &one).unwrap();
+    let (mut crowd, camera) = row(human_asset(), 2);
+    crowd.frame(0.1, &camera);
+    let before = shown(&crowd, 2);
+    let refused = crowd.set_asset(&other).unwrap_err().to_string();
+    assert!(refused.contains("other clips"), "{refused}");
+    assert_eq!(shown(&crowd, 2), before);
+}

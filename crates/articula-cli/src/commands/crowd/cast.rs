@@ -4,13 +4,15 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::console::Console;
 use crate::{fault, files, open};
 use anyhow::Context;
-use articula::CharacterFile;
 use articula::core::Clip;
 use articula::crowd::{
-    CharacterEntry, CrowdAsset, CrowdOptions, JointLodMethod, MAX_CHARACTERS, ParsedScene,
+    CharacterEntry, CrowdAsset, CrowdOptions, CrowdPlayer, Culling, JointLodMethod, MAX_CHARACTERS,
+    ParsedScene,
 };
+use articula::{CharacterFile, Figure};
 use clap::Args;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Triangles of a character from which on mesh levels are missed.
 const MANY_TRIANGLES: usize = 1000;
@@ -49,6 +51,8 @@ pub(super) struct CastAsset {
     /// What the file holds: materials and textures, for pictures.
     pub(super) opened: CharacterFile,
     pub(super) asset: CrowdAsset,
+    /// Time from opening the file to a first frame without preparation, milliseconds.
+    pub(super) first_frame_ms: f64,
     pub(super) warnings: Vec<String>,
 }
 
@@ -107,9 +111,12 @@ impl CastArgs {
             only: self.only.clone(),
             names: self.names.clone(),
         };
+        let start = Instant::now();
         let figure = open::figure(&console.files, &args)?;
         let mut warnings = open::warnings(figure.opened.warnings());
         let options = options(&figure.asset.clips)?;
+        show_at_once(&figure, &options)?;
+        let first_frame_ms = start.elapsed().as_secs_f64() * 1e3;
         let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
         warnings.extend_from_slice(asset.warnings());
         warnings.extend(missed_gains(&asset, &options));
@@ -117,9 +124,18 @@ impl CastArgs {
             file,
             opened: figure.opened,
             asset,
+            first_frame_ms,
             warnings,
         })
     }
+}
+
+/// Shows a character before it is prepared.
+fn show_at_once(figure: &Figure, options: &CrowdOptions) -> anyhow::Result<()> {
+    let mut crowd = CrowdPlayer::new(&CrowdAsset::at_once(figure, options)?, 1)?;
+    crowd.plan(0.0, Culling::Off, &mut |_| ());
+    crowd.evaluate();
+    Ok(())
 }
 
 /// Why a character does not profit from what makes crowds cheap.
