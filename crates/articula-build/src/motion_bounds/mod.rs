@@ -59,7 +59,7 @@ pub fn motion_bounds(asset: &Asset, margin_metres: f32) -> Result<MotionBounds, 
 
 /// Bounds of the clips of a character that no pose is needed for: a sphere around the origin of the model
 /// that no skin leaves, whatever the rotations of its joints. They are wider than those of
-/// [`motion_bounds`], which they contain, and take milliseconds.
+/// [`motion_bounds`] and take milliseconds.
 ///
 /// # Errors
 /// A [`Mismatch`] if a position or length of the character or its clips is not finite.

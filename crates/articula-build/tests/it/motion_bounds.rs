@@ -4,8 +4,8 @@
 use crate::random_figure::{RATE, Row, character_of, flat, rows, vector};
 use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
-use articula_build::motion_bounds;
 use articula_build::{Asset, character};
+use articula_build::{motion_bounds, reach_bounds};
 use articula_core::{
     Clip, LocalPose, Mesh, Morph, PosedMesh, Track, Tracks, Wrap, nlerp, sample, sample_morphs,
 };
@@ -165,14 +165,18 @@ proptest! {
         let asset = asset(&rows, &extra);
         let asset = if is_bare { bare(asset) } else { asset };
         let bounds = motion_bounds(&asset, 0.0).unwrap();
+        let reach = reach_bounds(&asset).unwrap();
         let mut body = Body::new(&asset);
-        for (clip, bounds) in asset.clips.iter().zip(&bounds.clips) {
+        let each = bounds.clips.iter().zip(&reach.clips);
+        for (clip, (bounds, reach)) in asset.clips.iter().zip(each) {
             let bound = bounds.over(now, horizon, speed, wrap);
+            let reach = reach.over(now, horizon, speed, wrap);
             for part in &parts {
                 let secs = now + f64::from(speed) * f64::from(horizon) * part;
                 let pose = body.sampled(clip, secs, wrap);
                 for p in body.points(&pose) {
                     prop_assert!(bound.contains(p), "{p} at {secs} s outside {bound:?}");
+                    prop_assert!(reach.contains(p), "{p} at {secs} s outside {reach:?}");
                 }
             }
         }
@@ -189,15 +193,17 @@ proptest! {
         let asset = asset(&rows, &extra);
         let asset = if is_bare { bare(asset) } else { asset };
         let bounds = motion_bounds(&asset, 0.0).unwrap();
+        let reach = reach_bounds(&asset).unwrap();
         let mut body = Body::new(&asset);
         for (s, t) in times {
             let a = body.sampled(&asset.clips[0], s, Wrap::Loop);
             let b = body.sampled(&asset.clips[1], t, Wrap::Loop);
             // A separate weight for each joint, as with masks of parts of the body.
             let pose = blended(&a, &b, |joint| weights[joint]);
-            let sphere = bounds.blended(0, 1);
-            for p in body.points(&pose) {
-                prop_assert!(p.distance(sphere.centre) <= sphere.radius, "{p} outside {sphere:?}");
+            for sphere in [&bounds, &reach].map(|b| b.blended(0, 1)) {
+                for p in body.points(&pose) {
+                    prop_assert!(p.distance(sphere.centre) <= sphere.radius, "{p} outside {sphere:?}");
+                }
             }
         }
     }

@@ -82,10 +82,12 @@ pub fn split_root_motion(
 ) -> Result<RootMotion, Mismatch> {
     subject.check(clip)?;
     steps_at(clip, clip.duration_secs, super::grid::VERIFIED_HZ, 1)?;
-    let trajectory = Trajectory::new(subject, clip, opts.smooth_secs);
     let found = Carrier::find(subject, clip);
+    let carrier = found.clone().unwrap_or_else(|| Carrier::world(subject));
+    let near = near(subject, clip, &carrier);
+    let trajectory = Trajectory::new(subject, &near, opts.smooth_secs);
     let in_place = opts.mode == RootMotionMode::InPlace;
-    let mut split = Split::new(subject, clip, &trajectory, found.as_ref(), in_place);
+    let mut split = Split::new(subject, [clip, &near], &trajectory, carrier, in_place);
     let mut out = RootMotion {
         clip: clip.clone(),
         hips: subject.hips(),
@@ -103,10 +105,28 @@ pub fn split_root_motion(
     Ok(out)
 }
 
+/// A clip without the channels of joints that hang below the hips and the children of the carrier: they move
+/// neither.
+fn near(subject: &EditSubject<'_>, clip: &RawClip, carrier: &Carrier) -> RawClip {
+    let moved = [subject.hips()]
+        .into_iter()
+        .chain(carrier.children.iter().copied());
+    let moved: Vec<usize> = moved.chain(carrier.joint).collect();
+    let moves = |joint: usize| moved.iter().any(|j| subject.rig.is_at_or_below(*j, joint));
+    let channels = clip.channels.iter().filter(|c| moves(c.target));
+    RawClip {
+        channels: channels.cloned().collect(),
+        name: clip.name.clone(),
+        ..*clip
+    }
+}
+
 /// Working state for moving joints against the trajectory.
 struct Split<'a> {
     subject: &'a EditSubject<'a>,
     clip: &'a RawClip,
+    /// The channels that move hips, carrier and its children.
+    near: &'a RawClip,
     trajectory: &'a Trajectory<'a>,
     carrier: Carrier,
     /// The children of the carrier that move against it.
@@ -133,12 +153,11 @@ struct Frame {
 impl<'a> Split<'a> {
     fn new(
         subject: &'a EditSubject<'a>,
-        clip: &'a RawClip,
+        [clip, near]: [&'a RawClip; 2],
         trajectory: &'a Trajectory<'a>,
-        found: Option<&Carrier>,
+        carrier: Carrier,
         in_place: bool,
     ) -> Self {
-        let carrier = found.cloned().unwrap_or_else(|| Carrier::world(subject));
         let mut posed = subject.rest();
         subject.pose(clip, 0.0, &mut posed);
         let (mut keys, mut jumps) = (vec![0.0, clip.duration_secs], Vec::new());
@@ -165,6 +184,7 @@ impl<'a> Split<'a> {
             first: carrier.placed(subject, &posed).1,
             subject,
             clip,
+            near,
             trajectory,
             carrier,
             in_place,
@@ -173,7 +193,7 @@ impl<'a> Split<'a> {
     }
 
     fn frame(&mut self, secs: f32) -> Frame {
-        self.subject.pose(self.clip, secs, &mut self.posed);
+        self.subject.pose(self.near, secs, &mut self.posed);
         let step = self.trajectory.step(secs, &self.posed);
         let (parent, carrier) = self.carrier.placed(self.subject, &self.posed);
         let (placed, seen) = if self.in_place {
