@@ -7,7 +7,7 @@
 //! the order of these bounds, so that the first ones have nearly the greatest errors; of the others only
 //! vertices are skinned whose sum exceeds the greatest error so far.
 
-use super::keys::points_beyond;
+use super::beyond::points_beyond;
 use super::looks::{Change, Looks, ShownError, influences};
 use articula_core::{Mesh, percentile};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};

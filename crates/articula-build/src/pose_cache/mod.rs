@@ -17,6 +17,7 @@
 //! display.
 
 mod bake;
+mod beyond;
 mod keys;
 mod level_error;
 mod looks;

@@ -115,9 +115,10 @@ impl CastArgs {
         let figure = open::figure(&console.files, &args)?;
         let mut warnings = open::warnings(figure.opened.warnings());
         let options = options(&figure.asset.clips)?;
-        show_at_once(&figure, &options)?;
+        let mut crowd = shown_at_once(&figure, &options)?;
         let first_frame_ms = start.elapsed().as_secs_f64() * 1e3;
         let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
+        crowd.set_asset(&asset)?;
         warnings.extend_from_slice(asset.warnings());
         warnings.extend(missed_gains(&asset, &options));
         Ok(CastAsset {
@@ -130,12 +131,12 @@ impl CastArgs {
     }
 }
 
-/// Shows a character before it is prepared.
-fn show_at_once(figure: &Figure, options: &CrowdOptions) -> anyhow::Result<()> {
+/// A crowd of one that is shown before it is prepared.
+fn shown_at_once(figure: &Figure, options: &CrowdOptions) -> anyhow::Result<CrowdPlayer> {
     let mut crowd = CrowdPlayer::new(&CrowdAsset::at_once(figure, options)?, 1)?;
     crowd.plan(0.0, Culling::Off, &mut |_| ());
     crowd.evaluate();
-    Ok(())
+    Ok(crowd)
 }
 
 /// Why a character does not profit from what makes crowds cheap.
