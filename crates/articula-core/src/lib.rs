@@ -72,6 +72,7 @@ pub mod joint_state;
 pub mod loa;
 pub mod playback;
 pub mod source;
+pub mod viseme;
 pub mod visibility;
 
 mod articulation;
