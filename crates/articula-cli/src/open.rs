@@ -154,7 +154,7 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     let skeleton = given.skeleton.map(|path| files::read(&path, limits.bytes));
     Ok(OpenOptions {
         joint_maps: joint_maps(args)?,
-        face_map: face_map(args)?,
+        face_map: given_face_map(args)?,
         unit_metres: given.unit_metres,
         up: given.up,
         skeleton: skeleton.transpose()?,
@@ -175,7 +175,7 @@ fn joint_maps(args: &ReadArgs) -> anyhow::Result<Vec<JointMap>> {
 }
 
 /// The user's own face map.
-fn face_map(args: &ReadArgs) -> anyhow::Result<Option<FaceMap>> {
+fn given_face_map(args: &ReadArgs) -> anyhow::Result<Option<FaceMap>> {
     let limits = Limits::default();
     let read = |path: &PathBuf| {
         let bytes = files::read(path, limits.bytes)?;
