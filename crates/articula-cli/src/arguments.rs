@@ -40,6 +40,10 @@ pub(crate) struct ReadArgs {
     /// JSON file with your joint map, used instead of all others if it fits (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) joint_map: Vec<PathBuf>,
+    /// JSON file with your face map: what morph targets and expressions show, instead of what their
+    /// names say
+    #[arg(long, value_name = "F.json")]
+    pub(crate) face_map: Option<PathBuf>,
     /// What files do not state, instead of a guess: unit-metres=M, the length of one unit; up=y or
     /// up=z, of BVH, ASF and BVA; skeleton=F.asf and amc-rate-hz=HZ, of an AMC motion; absent=hold or
     /// absent=zero, a FAP or BAP parameter in frames whose mask leaves it out; first-frame=skip leaves
@@ -92,12 +96,13 @@ impl ReadArgs {
     /// The files that tell how others are read.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
         let skeleton = self.read.iter().flat_map(|read| &read.skeleton);
-        self.joint_map.iter().chain(skeleton).map(PathBuf::as_path)
+        let maps = self.joint_map.iter().chain(&self.face_map);
+        maps.chain(skeleton).map(PathBuf::as_path)
     }
 
     /// Whether a flag is given.
     pub(crate) fn asks(&self) -> bool {
-        !self.joint_map.is_empty() || self.read.is_some()
+        !self.joint_map.is_empty() || self.face_map.is_some() || self.read.is_some()
     }
 
     /// What files do not state.

@@ -5,11 +5,12 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files::{self, Files};
 use anyhow::Context;
 use articula::clip_streams::{StreamKind, mp4, unit_tree};
+use articula::core::face_control::FaceMap;
 use articula::core::feature_points::PointId;
 use articula::core::joint_names::JointMap;
 use articula::face::fdp_points;
 use articula::formats::{
-    Assumption, Limits, Warning, face_points as points_file, joint_map, mpeg4,
+    Assumption, Limits, Warning, face_map, face_points as points_file, joint_map, mpeg4,
 };
 use articula::inspect::{TrackInspection, inspect_mp4};
 use articula::stream::StreamLimits;
@@ -153,6 +154,7 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     let skeleton = given.skeleton.map(|path| files::read(&path, limits.bytes));
     Ok(OpenOptions {
         joint_maps: joint_maps(args)?,
+        face_map: given_face_map(args)?,
         unit_metres: given.unit_metres,
         up: given.up,
         skeleton: skeleton.transpose()?,
@@ -170,6 +172,16 @@ fn joint_maps(args: &ReadArgs) -> anyhow::Result<Vec<JointMap>> {
         joint_map::parse(&bytes, &limits).with_context(|| files::shown(path))
     };
     args.joint_map.iter().map(profile).collect()
+}
+
+/// The user's own face map.
+fn given_face_map(args: &ReadArgs) -> anyhow::Result<Option<FaceMap>> {
+    let limits = Limits::default();
+    let read = |path: &PathBuf| {
+        let bytes = files::read(path, limits.bytes)?;
+        face_map::parse(&bytes, &limits).with_context(|| files::shown(path))
+    };
+    args.face_map.as_ref().map(read).transpose()
 }
 
 /// The warnings of the reader, each with its place in the file.

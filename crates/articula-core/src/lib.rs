@@ -44,6 +44,7 @@
 //! - [`visibility`]: frustum culling, occlusion and size on screen of bodies
 //! - [`batch`]: evaluation of eight characters at once, from cursors to palettes
 //! - [`loa`]: levels of articulation: selectors, their combination and the expression language
+//! - [`face_control`]: what morph targets and expressions of a face show
 //! - [`joint_names`]: joint maps: the meaning of the joint names of a kind of rig, as data
 //! - [`joint_state`]: active and passive joints, and the transitions between them
 //! - [`hanim_table`], [`fap_table`], [`arkit_table`]: the joints of the H-Anim humanoid, the facial
@@ -63,6 +64,7 @@
 pub mod arkit_table;
 pub mod batch;
 pub mod crowd;
+pub mod face_control;
 pub mod face_levels;
 pub mod fap_table;
 pub mod feature_points;
@@ -72,6 +74,7 @@ pub mod joint_state;
 pub mod loa;
 pub mod playback;
 pub mod source;
+pub mod viseme;
 pub mod visibility;
 
 mod articulation;

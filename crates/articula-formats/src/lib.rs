@@ -13,6 +13,7 @@
 //! - [`x3d`]: H-Anim figures in X3D and VRML97; read both, write X3D
 //! - `fbx`, with the feature of that name: FBX characters and motions; read
 //! - [`joint_map`]: joint maps, from joint name to H-Anim joint, level and region
+//! - [`face_map`]: face maps, from name to what a morph target or an expression shows
 //! - [`face_points`]: feature points of a face
 //! - [`live_link`]: face captures of Live Link Face as CSV; read and write
 //! - [`loa_profile`]: a saved selection of levels of articulation
@@ -50,6 +51,7 @@ mod capture_text;
 mod damage;
 mod error;
 mod euler;
+pub mod face_map;
 pub mod face_points;
 #[cfg(feature = "fbx")]
 pub mod fbx;

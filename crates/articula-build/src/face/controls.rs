@@ -1,79 +1,96 @@
-//! The FAP values of a face's control at full weight, by the control's name.
+//! The FAP values of a face's control at full weight.
 
 use super::fap_values::{FapList, FapValues};
 use super::high_level::{EXPRESSIONS, VISEMES};
+use super::names::face_control;
+use crate::joint_names::MappingConfidence;
 use articula_core::arkit_table::BLEND_SHAPES;
+use articula_core::face_control::{FaceControl, FaceSide, Lip, ShapePart, ShapeSet};
+use articula_core::fap_table::{LOW_FAPS, TABLE};
 
-/// Shapes of ARKit that some faces have once for each side.
-const HALVES: [(&str, FapList); 4] = [
-    ("browinnerupleft", &[(31, 350), (33, 120)]),
-    ("browinnerupright", &[(32, 350), (34, 120)]),
-    ("cheekpuffleft", &[(39, 400)]),
-    ("cheekpuffright", &[(40, 400)]),
-];
+/// Returns the FAP values of a control at weight 1, on a face of average proportions.
+pub fn control_column(control: FaceControl) -> FapValues {
+    match control {
+        FaceControl::Shapes(shapes, part) => column_of_shapes(shapes, part),
+        FaceControl::Viseme(viseme) => {
+            let mut values = FapValues::default();
+            values.add(VISEMES[viseme.number()], 1.0);
+            values
+        }
+        FaceControl::Emotion(emotion) => vrm_preset(emotion.name()).unwrap_or_default(),
+    }
+}
+
+fn column_of_shapes(shapes: ShapeSet, part: ShapePart) -> FapValues {
+    let mut values = FapValues::default();
+    for shape in shapes.iter() {
+        values.add(BLEND_SHAPES[shape].faps, 1.0);
+    }
+    for (value, fap) in values.0.iter_mut().zip(LOW_FAPS) {
+        *value *= share(fap, part);
+    }
+    values
+}
+
+/// Share of a FAP that a part of a face shows: half of one in the middle.
+fn share(fap: usize, part: ShapePart) -> f32 {
+    let name = TABLE[fap - 1].name;
+    let has = |parts: &[&str]| parts.iter().any(|part| name.contains(part));
+    let side = if has(&["_l_", "_lm"]) {
+        Some(FaceSide::Left)
+    } else {
+        has(&["_r_", "_rm"]).then_some(FaceSide::Right)
+    };
+    let lip = if !name.contains("lip") || name.contains("corner") {
+        None
+    } else if name.contains("_t_") {
+        Some(Lip::Upper)
+    } else {
+        Some(Lip::Lower)
+    };
+    share_of(part.side, side) * share_of(part.lip, lip)
+}
+
+fn share_of<T: PartialEq>(part: Option<T>, own: Option<T>) -> f32 {
+    match (part, own) {
+        (None, _) => 1.0,
+        (Some(_), None) => 0.5,
+        (Some(part), Some(own)) => f32::from(u8::from(part == own)),
+    }
+}
 
 /// Returns the FAP values of a blend shape of ARKit at weight 1.
 ///
-/// Upper and lower case, underscores and other separators do not matter, and `L` and `R` at the end
-/// stand for left and right: `jawOpen`, `JawOpen` and `jaw_open` are the same, as are
-/// `mouthSmile_L` and `mouthSmileLeft`. `None` for any other name.
+/// Upper and lower case, separators and what programs put before a name do not matter, and `L` and
+/// `R` at the end stand for left and right: `jawOpen`, `JawOpen`, `jaw_open` and `blendShape1.jawOpen`
+/// are the same, as are `mouthSmile_L` and `mouthSmileLeft`. `None` for any other name
+/// ([`face_control`] knows more).
 pub fn blend_shape(name: &str) -> Option<FapValues> {
-    let name = plain(name)?;
-    let half = HALVES.iter().find(|(half, _)| *half == name);
-    let whole = || {
-        BLEND_SHAPES
-            .iter()
-            .find(|s| s.name.eq_ignore_ascii_case(&name))
-    };
-    let list = half
-        .map(|(_, list)| *list)
-        .or_else(|| Some(whole()?.faps))?;
-    let mut values = FapValues::default();
-    values.add(list, 1.0);
-    Some(values)
+    let (shapes, part) = surely(name)?;
+    Some(column_of_shapes(shapes, part))
 }
 
 /// Returns the name in ARKit of a blend shape in any of the spellings of [`blend_shape`]; `None` for
 /// any other name, halves of a shape among them.
 pub fn arkit_name(name: &str) -> Option<&'static str> {
-    let plain = plain(name)?;
-    let shape = BLEND_SHAPES
-        .iter()
-        .find(|s| s.name.eq_ignore_ascii_case(&plain))?;
-    Some(shape.name)
+    let (shapes, part) = surely(name)?;
+    let whole = (part == ShapePart::default()).then(|| shapes.only())??;
+    Some(BLEND_SHAPES[whole].name)
 }
 
 /// Returns the index in [`BLEND_SHAPES`] of the shape that a name means, as [`blend_shape`] reads it; of
 /// a half, that of the whole shape.
 pub fn arkit_shape(name: &str) -> Option<usize> {
-    let plain = plain(name)?;
-    let is_half = HALVES.iter().any(|(half, _)| *half == plain);
-    let side = |s: &str| plain.strip_suffix(s).map(str::to_owned);
-    let whole = if is_half {
-        side("left").or_else(|| side("right"))?
-    } else {
-        plain
-    };
-    let is = |s: &articula_core::arkit_table::BlendShape| s.name.eq_ignore_ascii_case(&whole);
-    BLEND_SHAPES.iter().position(is)
+    surely(name)?.0.only()
 }
 
-/// Letters in lower case, with a side at the end spelled out; `None` for a name without letters.
-fn plain(name: &str) -> Option<String> {
-    let is_side = |side: &str| {
-        let before = name.strip_suffix(side)?;
-        // `_L` and `smileL`, but not the last letter of a word in capitals.
-        let last = before.chars().next_back()?;
-        (last.is_lowercase() || !last.is_alphanumeric()).then_some(before)
-    };
-    let (stem, side) = match (is_side("L"), is_side("R")) {
-        (Some(stem), _) => (stem, "left"),
-        (None, Some(stem)) => (stem, "right"),
-        (None, None) => (name, ""),
-    };
-    let letters = stem.chars().filter(|c| c.is_ascii_alphabetic());
-    let plain: String = letters.map(|c| c.to_ascii_lowercase()).collect();
-    (!plain.is_empty()).then(|| plain + side)
+/// The shapes of a name in a spelling of ARKit.
+fn surely(name: &str) -> Option<(ShapeSet, ShapePart)> {
+    let found = face_control(name).filter(|f| f.confidence == MappingConfidence::High)?;
+    match found.control {
+        FaceControl::Shapes(shapes, part) => Some((shapes, part)),
+        FaceControl::Viseme(_) | FaceControl::Emotion(_) => None,
+    }
 }
 
 /// Returns the FAP values of an expression preset of VRM 1.0, such as `aa` or `blinkLeft`, at
@@ -157,6 +174,29 @@ mod tests {
             let sum = left.unwrap().plus(&right.unwrap(), 1.0);
             assert_eq!(blend_shape(whole), Some(sum));
         }
+    }
+
+    #[test]
+    fn quarters_add_up_to_the_whole() {
+        let column = |name: &str| control_column(name.parse().unwrap());
+        for whole in ["mouthFunnel", "mouthPucker", "mouthClose"] {
+            let quarters = ["/upper/left", "/upper/right", "/lower/left", "/lower/right"];
+            let sum = quarters.map(|q| column(&format!("{whole}{q}")));
+            let sum = sum
+                .iter()
+                .fold(FapValues::default(), |sum, q| sum.plus(q, 1.0));
+            assert_eq!(column(whole), sum);
+        }
+        // The left half of the upper lip moves nothing on the right and no chin.
+        let quarter = column("mouthFunnel/upper/left");
+        assert_eq!(
+            (quarter.get(4), quarter.get(6), quarter.get(7)),
+            (-75.0, -80.0, 0.0)
+        );
+        assert_eq!(
+            (quarter.get(5), quarter.get(16), quarter.get(17)),
+            (0.0, 0.0, 125.0)
+        );
     }
 
     #[test]

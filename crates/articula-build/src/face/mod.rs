@@ -2,7 +2,8 @@
 //!
 //! - `fap_values`: values of the low-level parameters
 //! - `high_level`: visemes and expressions (FAP 1 and 2) as low-level parameters
-//! - `controls`: the parameters that a blend shape or a VRM expression amounts to, by its name
+//! - `names`: what a morph target or an expression shows, by its name
+//! - `controls`: the parameters that it amounts to
 //! - `bridge`: weights of controls to parameters, and back by bounded least squares
 //! - `bounded`: the least-squares solver
 //! - `intervals`: morph targets that show a part of one parameter's range
@@ -25,16 +26,18 @@ mod field_fit;
 mod fields;
 mod high_level;
 mod intervals;
+mod names;
 mod points;
 mod table;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
-pub use controls::{arkit_name, arkit_shape, blend_shape, vrm_preset};
+pub use controls::{arkit_name, arkit_shape, blend_shape, control_column, vrm_preset};
 pub use detail::{FaceDetail, FaceFrames};
 pub use fap_values::FapValues;
 pub use field_fit::FieldFit;
 pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};
 pub use intervals::FapInterval;
+pub use names::{ChosenControl, FaceCandidate, NamedControl, choose_controls, face_control};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
 pub use table::{EyeShape, FaceTable, normal_offsets};

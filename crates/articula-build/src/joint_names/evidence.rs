@@ -42,7 +42,7 @@ pub enum MappingConfidence {
 }
 
 impl MappingConfidence {
-    pub(super) fn lowered(self) -> Self {
+    pub(crate) fn lowered(self) -> Self {
         match self {
             Self::High => Self::Medium,
             Self::Medium | Self::Low => Self::Low,

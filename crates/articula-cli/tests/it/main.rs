@@ -23,6 +23,7 @@ mod connection;
 mod conversion;
 mod crowd;
 mod devices;
+mod face_maps;
 mod face_shapes;
 mod faces;
 mod fba_oracle;

@@ -2,8 +2,10 @@
 
 use super::{Credits, Expression, Property, RawClip, RawMesh, Skeleton};
 use crate::articulation::Articulation;
+use crate::face_control::FaceControl;
 use crate::level_table::LevelTable;
 use glam::{Vec3, Vec4};
+use std::collections::BTreeMap;
 
 /// Continuation of a texture beyond its edges, along one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -102,6 +104,9 @@ pub struct Character {
     pub clips: Vec<RawClip>,
     /// Expressions that clips can drive by name.
     pub expressions: Vec<Expression>,
+    /// What morph targets and expressions show by their names, where a person said it; `None` for
+    /// those that are left out on purpose.
+    pub told_controls: BTreeMap<String, Option<FaceControl>>,
     /// Authors, origin and licence, if the file states any.
     pub credits: Option<Credits>,
     /// Materials that primitives refer to by index.

@@ -220,6 +220,7 @@ fn read_noted(
         materials: look.materials,
         images: look.images,
         expressions,
+        told_controls: Default::default(),
         credits: credits::read(&reader.root),
     };
     if facing::faces_back(&document.json) {

@@ -1,12 +1,15 @@
 //! The controls of a face: morph targets named as ARKit's blend shapes, expressions, or joints.
 
 use super::joints::{FaceJoints, JointOffset};
+use super::named::{control_of, named_controls};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use articula_build::face::{
-    FaceBridge, FapInterval, FapValues, arkit_shape, blend_shape, vrm_preset,
+    FaceBridge, FapInterval, FapValues, blend_shape, control_column, vrm_preset,
 };
 use articula_core::LibmQuat;
+use articula_core::face_control::{FaceControl, ShapeSet};
+use articula_core::fap_table::LOW_FAPS;
 use articula_core::source::{Channel, Character, Expression, Interpolation, Property};
 use glam::{Quat, Vec3};
 use serde::Serialize;
@@ -70,12 +73,17 @@ impl FaceControls {
 
     fn shapes_of(character: &Character) -> Option<Self> {
         let kinds = [
-            morphs(character, blend_shape),
             expressions(character, blend_shape),
             expressions(character, vrm_preset),
         ];
         // The first of several with as many.
         let most = kinds.into_iter().rev().max_by_key(Vec::len)?;
+        let of_morphs = named_morphs(character, most.is_empty());
+        let most = if of_morphs.len() < most.len() {
+            most
+        } else {
+            of_morphs
+        };
         let (columns, targets): (Vec<FapValues>, Vec<Target>) = most.into_iter().unzip();
         (!targets.is_empty()).then(|| Self {
             bridge: FaceBridge::new(columns.clone()),
@@ -153,18 +161,23 @@ impl FaceControls {
         &self.shares
     }
 
-    /// The blend shape of ARKit that each control is, or is a half of, by its index; `None` if one
-    /// is none.
-    pub(super) fn shapes(&self, character: &Character) -> Option<Vec<usize>> {
-        let shape = |target: &Target| match target {
-            Target::Morphs(slots) => {
-                let (mesh, slot) = *slots.first()?;
-                arkit_shape(&character.meshes[mesh].morph_names[slot])
+    /// The blend shapes of ARKit that each control shows, at least in part; `None` if one shows none.
+    pub(super) fn shapes(&self, character: &Character) -> Option<Vec<ShapeSet>> {
+        let shapes = |target: &Target| {
+            let name = match target {
+                Target::Morphs(slots) => {
+                    let (mesh, slot) = *slots.first()?;
+                    &character.meshes[mesh].morph_names[slot]
+                }
+                Target::Expression(index) => &character.expressions[*index].name,
+                Target::Joints(_) => return None,
+            };
+            match control_of(character, name)?.control {
+                FaceControl::Shapes(shapes, _) => Some(shapes),
+                FaceControl::Viseme(_) | FaceControl::Emotion(_) => None,
             }
-            Target::Expression(index) => arkit_shape(&character.expressions[*index].name),
-            Target::Joints(_) => None,
         };
-        self.targets.iter().map(shape).collect()
+        self.targets.iter().map(shapes).collect()
     }
 
     /// The channels that set the controls to the weights of each frame.
@@ -236,6 +249,31 @@ impl FaceControls {
         }
         channels
     }
+}
+
+/// The morph targets that show blend shapes by their names; `with_visemes`, those of visemes too if
+/// they move a parameter that no shape moves.
+fn named_morphs(character: &Character, with_visemes: bool) -> Vec<(FapValues, Target)> {
+    let named = named_controls(character);
+    let of = |wanted: fn(&FaceControl) -> bool| {
+        let own = named.iter().filter(move |n| wanted(&n.control));
+        let own = own.filter(|n| !n.morphs.is_empty());
+        own.map(|n| (control_column(n.control), Target::Morphs(n.morphs.clone())))
+    };
+    let mut found: Vec<_> = of(|c| matches!(c, FaceControl::Shapes(..))).collect();
+    if with_visemes {
+        let visemes: Vec<_> = of(|c| matches!(c, FaceControl::Viseme(_)))
+            .filter(|(column, _)| *column != FapValues::default())
+            .collect();
+        let moves = |all: &[(FapValues, Target)], fap| all.iter().any(|(c, _)| c.get(fap) != 0.0);
+        if LOW_FAPS
+            .into_iter()
+            .any(|fap| moves(&visemes, fap) && !moves(&found, fap))
+        {
+            found.extend(visemes);
+        }
+    }
+    found
 }
 
 /// Morph targets with known names; those that mean the same, however they spell it, are one control.

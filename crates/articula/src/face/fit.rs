@@ -4,7 +4,7 @@ use super::capture;
 use super::controls::{FaceControls, FaceKind};
 use super::frames::{face_frames, moving};
 use super::levels::FaceLevelReport;
-use super::rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
+use super::rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE, weight_of};
 use super::turns::turns;
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, ClipProvenance, FittedClip};
@@ -172,7 +172,7 @@ pub fn fit_capture(
             rows.map(|frame| ShownFace {
                 weights: shapes
                     .iter()
-                    .map(|s| frame.shapes[*s].clamp(0.0, 1.0))
+                    .map(|s| weight_of(*s, &frame.shapes).clamp(0.0, 1.0))
                     .collect(),
                 error_mm: [0.0; LOW_FAP_COUNT],
             })

@@ -1,5 +1,6 @@
 //! Faces driven by facial animation parameters (FAP) of MPEG-4.
 //!
+//! - `named`: what morph targets and expressions show by their names
 //! - `controls`: the morph targets, expressions or joints of a face whose effect is known
 //! - `joints`: joints that show parameters
 //! - `fields`: how far the controls move the vertices
@@ -31,6 +32,7 @@ mod frames;
 mod joints;
 mod levels;
 mod measured;
+mod named;
 mod points;
 mod region;
 mod rig;
@@ -54,8 +56,10 @@ pub use fit::{FaceTransfer, FittedFace, NotDriven, ShownParameter, fit_capture, 
 pub(crate) use found::FoundFace;
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use measured::measure_faps;
+pub use named::{NamedTarget, named_controls, rig_face_map};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub(crate) use region::face_vertices;
+pub(crate) use rig::driven_faps;
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
 pub use surface::HeadSurface;

@@ -8,6 +8,9 @@ use crate::figure::Figure;
 use crate::open::CharacterFile;
 use articula_build::face::{FaceBridge, FapValues, blend_shape};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES, BlendShape};
+use articula_core::face_control::ShapeSet;
+use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
+use articula_core::source::Character;
 use glam::Vec3;
 use serde::Serialize;
 
@@ -125,8 +128,8 @@ impl FaceRig {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaptureBridge {
     bridge: FaceBridge,
-    /// Index of the shape of each control; halves of one shape follow it.
-    shapes: Vec<usize>,
+    /// The shapes of each control; halves of one shape follow it.
+    shapes: Vec<ShapeSet>,
     name: String,
 }
 
@@ -136,7 +139,9 @@ impl CaptureBridge {
         let column = |shape: &BlendShape| blend_shape(shape.name).unwrap_or_default();
         Self {
             bridge: FaceBridge::new(BLEND_SHAPES.iter().map(column).collect()),
-            shapes: (0..BLEND_SHAPE_COUNT).collect(),
+            shapes: (0..BLEND_SHAPE_COUNT)
+                .map(|shape| ShapeSet::of([shape]))
+                .collect(),
             name: GENERIC_BRIDGE.to_owned(),
         }
     }
@@ -153,18 +158,26 @@ impl CaptureBridge {
 
     /// Values of the parameters that show weights of the shapes.
     pub(super) fn values(&self, shapes: &[f32; BLEND_SHAPE_COUNT]) -> FapValues {
-        let weights: Vec<f32> = self.shapes.iter().map(|s| shapes[*s]).collect();
+        let weights: Vec<f32> = self.shapes.iter().map(|s| weight_of(*s, shapes)).collect();
         self.bridge.faps(&weights)
     }
 
     /// Weights of the shapes, from those of the controls.
     pub(super) fn shapes(&self, weights: &[f32]) -> [f32; BLEND_SHAPE_COUNT] {
         let mut shapes = [0.0_f32; BLEND_SHAPE_COUNT];
-        for (shape, weight) in self.shapes.iter().zip(weights) {
-            shapes[*shape] = shapes[*shape].max(*weight);
+        for (of_control, weight) in self.shapes.iter().zip(weights) {
+            for shape in of_control.iter() {
+                shapes[shape] = shapes[shape].max(*weight);
+            }
         }
         shapes
     }
+}
+
+/// Weight of a control that shows several shapes together: their mean.
+pub(super) fn weight_of(of_control: ShapeSet, shapes: &[f32; BLEND_SHAPE_COUNT]) -> f32 {
+    let count = of_control.iter().count().max(1) as f32;
+    of_control.iter().map(|shape| shapes[shape]).sum::<f32>() / count
 }
 
 /// The columns of a face's controls, from the motion of its feature points. `None` if it has none, or
@@ -199,4 +212,14 @@ fn name_of(columns: &[FapValues]) -> String {
         hash.update(&(value.round() as i32).to_le_bytes());
     }
     hash.finalize().to_hex()[..16].to_owned()
+}
+
+/// Number of the 68 parameters that the morph targets or expressions of a character show, the viseme and
+/// the expression (FAP 1 and 2) among them if anything is shown.
+pub(crate) fn driven_faps(character: &Character) -> usize {
+    let Some(controls) = FaceControls::of(character) else {
+        return 0;
+    };
+    let low = LOW_FAPS.filter(|fap| controls.bridge().moves(*fap)).count();
+    low + usize::from(low > 0) * (FAP_COUNT - LOW_FAP_COUNT)
 }

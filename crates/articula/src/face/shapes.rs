@@ -2,12 +2,14 @@
 //! any, or a face animation table.
 
 use super::found::FoundFace;
+use super::named::{NamedTarget, named_controls};
 use super::targets::{Existing, add_targets};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
 use articula_build::face::{FapInterval, FapValues, blend_shape};
 use articula_core::arkit_table::BLEND_SHAPES;
+use articula_core::face_control::FaceControl;
 use articula_core::fap_table::LOW_FAPS;
 use articula_core::feature_points::PointId;
 use glam::Vec3;
@@ -45,12 +47,12 @@ pub struct FaceTableTargets {
     pub doubtful: Vec<String>,
 }
 
-/// Adds the blend shapes of ARKit to a character whose meshes have no morph targets, made by the
+/// Adds the blend shapes of ARKit to a character without any, beside other morph targets, made by the
 /// face animation table of its feature points (`docs/methods/faces.md`). `given` are points that are
 /// known, with their places in model space.
 ///
 /// # Errors
-/// [`Error::Unsupported`] that names the file, if a mesh of the head has morph targets, or the figure
+/// [`Error::Unsupported`] that names the file, if a mesh of the head has morph targets that show blend shapes, or the figure
 /// shows too little of a face; the character is then unchanged.
 pub fn add_face_shapes(
     opened: &mut CharacterFile,
@@ -92,12 +94,24 @@ fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<
         made.push(shape.name);
         shapes.push((shape.name.to_owned(), offsets));
     }
+    let existing = if shows_shapes(opened) {
+        Existing::Refused
+    } else {
+        Existing::Kept
+    };
     Ok(FaceShapes {
-        vertices: add_targets(opened, (&face.head, &vertices), &shapes, Existing::Refused)?,
+        vertices: add_targets(opened, (&face.head, &vertices), &shapes, existing)?,
         made,
         not_made,
         doubtful: face.doubtful(),
     })
+}
+
+/// Whether a morph target shows a blend shape by its name; others are of identities or poses.
+fn shows_shapes(opened: &CharacterFile) -> bool {
+    let named = named_controls(opened.character());
+    let is_shape = |n: &NamedTarget| matches!(n.control, FaceControl::Shapes(..));
+    named.iter().any(|n| is_shape(n) && !n.morphs.is_empty())
 }
 
 fn made_table(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceTableTargets> {

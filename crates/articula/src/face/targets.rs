@@ -48,7 +48,7 @@ pub(super) fn add_targets(
         && let Some(mesh) = of_touched().find(|m| before[*m] > 0)
     {
         let what = format!(
-            "face: mesh \"{}\" has morph targets; blend shapes are made for faces without any",
+            "face: mesh \"{}\" has morph targets that show blend shapes; these are made for faces without any",
             meshes[mesh].name
         );
         return Err(Error::unsuited(what));

@@ -307,5 +307,9 @@ fn of_epf(frames: &[EpfFrame]) -> DataInspection {
 }
 
 fn face(faps: usize) -> Option<FaceInspection> {
-    Some(FaceInspection { faps, morphs: 0 })
+    Some(FaceInspection {
+        faps,
+        morphs: 0,
+        driven_by: None,
+    })
 }

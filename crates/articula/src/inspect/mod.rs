@@ -34,7 +34,7 @@ pub use mp4::{TrackInspection, inspect_mp4};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};
 
 use crate::error::Result;
-use crate::face::FaceLayout;
+use crate::face::{FaceLayout, NamedTarget, driven_faps, named_controls};
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
 use crate::optimize::{BytesByKind, OptimizeReport};
@@ -44,6 +44,7 @@ use articula_build::joint_names::{
     DoubtReason, JointDoubt, MappingConfidence, MappingEvidence, UnmappedReason,
 };
 use articula_build::source_rate_hz;
+use articula_core::face_control::{Emotion, FaceControl};
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
 use articula_core::{Articulation, JointSet, Region};
@@ -237,6 +238,56 @@ pub struct FaceInspection {
     pub faps: usize,
     /// Number of morph targets; those of the same name in several meshes count once.
     pub morphs: usize,
+    /// What morph targets and expressions show by their names; null if nothing is known.
+    pub driven_by: Option<FaceDrives>,
+}
+
+/// What a face can be driven by.
+#[derive(Debug, Serialize)]
+pub struct FaceDrives {
+    /// Number of the 52 blend shapes of ARKit that are shown, at least in part.
+    pub arkit_shapes: usize,
+    /// Number of the 15 visemes.
+    pub visemes: usize,
+    /// Names of the emotions of VRM.
+    pub emotions: Vec<&'static str>,
+    /// Number of the 68 facial animation parameters that are shown through them.
+    pub faps: usize,
+    /// Names and meanings that a person should check.
+    pub unsure: Vec<(String, String)>,
+}
+
+impl FaceDrives {
+    fn of(character: &source::Character) -> Option<Self> {
+        let named = named_controls(character);
+        let name = |target: &NamedTarget| match target.expression {
+            Some(expression) => character.expressions[expression].name.clone(),
+            None => {
+                let (mesh, slot) = target.morphs[0];
+                character.meshes[mesh].morph_names[slot].clone()
+            }
+        };
+        let mut shapes = BTreeSet::new();
+        let (mut visemes, mut emotions) = (BTreeSet::new(), BTreeSet::new());
+        for target in &named {
+            match target.control {
+                FaceControl::Shapes(set, _) => shapes.extend(set.iter()),
+                FaceControl::Viseme(viseme) => _ = visemes.insert(viseme),
+                FaceControl::Emotion(emotion) => _ = emotions.insert(emotion),
+            }
+        }
+        let unsure = named
+            .iter()
+            .filter(|n| n.confidence == MappingConfidence::Low);
+        let found = Self {
+            arkit_shapes: shapes.len(),
+            visemes: visemes.len(),
+            emotions: emotions.into_iter().map(Emotion::name).collect(),
+            faps: driven_faps(character),
+            unsure: unsure.map(|n| (name(n), n.control.to_string())).collect(),
+        };
+        (!named.is_empty()).then_some(found)
+    }
 }
 
 /// A warning about a file.
@@ -516,7 +567,12 @@ fn face_of(character: &source::Character) -> Option<FaceInspection> {
         }
     }
     let morphs = names.len() + unnamed;
-    (morphs > 0).then_some(FaceInspection { faps: 0, morphs })
+    let driven_by = FaceDrives::of(character);
+    (morphs > 0 || driven_by.is_some()).then_some(FaceInspection {
+        faps: 0,
+        morphs,
+        driven_by,
+    })
 }
 
 fn warnings_of(figure: &Figure) -> Vec<WarningInspection> {

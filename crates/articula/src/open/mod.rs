@@ -60,6 +60,7 @@ use crate::prepared::state::StoredState;
 use crate::prepared::stored::Stored;
 use articula_build::joint_names::{JointMapping, map_as_told};
 use articula_core::Articulation;
+use articula_core::face_control::FaceMap;
 use articula_core::joint_names::JointMap;
 use articula_core::source::Character;
 use articula_formats::joint_map;
@@ -128,6 +129,10 @@ pub fn open(
     #[cfg(not(feature = "flat"))]
     let unknown = None;
     opened.warnings.extend(unknown);
+    if let Some(map) = &options.face_map {
+        let unused = tell_controls(&mut opened.character, map);
+        opened.warnings.extend(unused);
+    }
     let odd = clips::oddities(&opened);
     opened.warnings.extend(odd);
     if options.unit_metres.is_none() {
@@ -135,6 +140,24 @@ pub fn open(
         opened.warnings.extend(unusual);
     }
     Ok(opened)
+}
+
+/// Gives the names of a character the meanings of a face map; a warning if it has none of them.
+fn tell_controls(character: &mut Character, map: &FaceMap) -> Option<Warning> {
+    let named = |name: &String| {
+        let mut meshes = character.meshes.iter();
+        meshes.any(|mesh| mesh.morph_names.contains(name))
+            || character.expressions.iter().any(|e| e.name == *name)
+    };
+    let is_used = map.controls.keys().any(named);
+    character.told_controls.clone_from(&map.controls);
+    (!is_used).then(|| Warning {
+        at: "face map".to_owned(),
+        what: "no morph target or expression of the file has a name of the face map, which is not \
+               used; names are compared letter by letter"
+            .to_owned(),
+        guess: None,
+    })
 }
 
 /// Arguments of an opener.

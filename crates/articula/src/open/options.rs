@@ -1,5 +1,6 @@
 //! Options for opening files.
 
+use articula_core::face_control::FaceMap;
 use articula_core::joint_names::JointMap;
 use articula_formats::mpeg4::fap::AbsentPolicy;
 use articula_formats::{Limits, UpAxis};
@@ -11,6 +12,8 @@ pub struct OpenOptions {
     /// Joint maps that take precedence over the file's own humanoid map and the built-in ones; the
     /// one that fits best is used alone.
     pub joint_maps: Vec<JointMap>,
+    /// What morph targets and expressions show, instead of what their names say.
+    pub face_map: Option<FaceMap>,
     /// Metres per unit of the file, above 0; if `None`, estimated from the figure's size for BVH,
     /// ASF and BVA, and as the format states it for the others: metres.
     pub unit_metres: Option<f32>,

@@ -2,6 +2,7 @@
 
 use super::WrittenFiles;
 use crate::console::Console;
+use crate::fault::clean;
 use crate::table::Table;
 use crate::{fault, files, open};
 use articula::core::{ModelPose, local_to_model};
@@ -9,6 +10,7 @@ use articula::face::{FaceLayout, face_fdp, face_layout};
 use articula::flat::{Appearance, Picture};
 use articula::formats::face_points;
 use articula::formats::mpeg4::fdp;
+use articula::inspect::FaceInspection;
 use articula::{Figure, facing};
 use articula_report::{FaceMark, clip_sheet, face_sheet, morph_target_sheet};
 use clap::Args;
@@ -122,6 +124,32 @@ fn draw(figure: &Figure, layout: &FaceLayout) -> anyhow::Result<Picture> {
     let facing = facing(&asset.rig, &rest);
     let figure = (&*asset.rig, &*asset.mesh);
     Ok(face_sheet(figure, &look, facing, &marks, (&title, notes))?)
+}
+
+/// What the face can be driven by.
+pub(super) fn drives(face: &FaceInspection) -> String {
+    let Some(by) = &face.driven_by else {
+        return "  driven by: no name of a morph target is known\n".to_owned();
+    };
+    let mut kinds = Vec::new();
+    if by.arkit_shapes > 0 {
+        kinds.push(format!("{} of 52 ARKit shapes", by.arkit_shapes));
+    }
+    if by.visemes > 0 {
+        kinds.push(format!("{} of 15 visemes", by.visemes));
+    }
+    if !by.emotions.is_empty() {
+        kinds.push(format!("emotions {}", by.emotions.join(", ")));
+    }
+    let mut text = format!(
+        "  driven by: {}; they show {} of 68 facial animation parameters\n",
+        kinds.join("; "),
+        by.faps
+    );
+    for (name, control) in &by.unsure {
+        text.push_str(&format!("  unsure: {} as {control}\n", clean(name)));
+    }
+    text
 }
 
 /// The table of the points.

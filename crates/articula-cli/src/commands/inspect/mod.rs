@@ -16,6 +16,7 @@ use crate::arguments::{CharacterArgs, file, not_negative, settings};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
+use articula::face::rig_face_map;
 use articula::formats::Limits;
 use articula::inspect::{
     FAR_FROM_METRES, WarningInspection, has_too_many_joints, inspect, inspect_listed, joint_levels,
@@ -42,7 +43,7 @@ pub(crate) struct InspectArgs {
     #[command(flatten)]
     face: face::FaceArgs,
     /// Write what was found, to edit and to give back: joint-map=F.json, the joint map as it was
-    /// recognised, and face-points=F.json, or F.fdp with the zone of each point; and pictures of the
+    /// recognised, face-map=F.json, what morph targets and expressions show, and face-points=F.json, or F.fdp with the zone of each point; and pictures of the
     /// face: face-sheet=F.png with its points, shape-sheet=F.png with each morph target,
     /// clip-sheet=F.png at moments of a clip (--clip, or the first)
     #[arg(long, value_name = "KEY=FILE,…", value_parser = written_files)]
@@ -59,6 +60,7 @@ pub(crate) struct InspectArgs {
 #[derive(Debug, Clone, Default)]
 struct WrittenFiles {
     joint_map: Option<PathBuf>,
+    face_map: Option<PathBuf>,
     face_points: Option<PathBuf>,
     face_sheet: Option<PathBuf>,
     shape_sheet: Option<PathBuf>,
@@ -73,12 +75,13 @@ fn written_files(text: &str) -> Result<WrittenFiles, String> {
     settings(text, |to: &mut WrittenFiles, key, value| {
         match key {
             "joint-map" => to.joint_map = Some(file(value)?),
+            "face-map" => to.face_map = Some(file(value)?),
             "face-points" => to.face_points = Some(file(value)?),
             "face-sheet" => to.face_sheet = png(value)?,
             "shape-sheet" => to.shape_sheet = png(value)?,
             "clip-sheet" => to.clip_sheet = png(value)?,
             _ => {
-                let keys = "joint-map, face-points, face-sheet, shape-sheet, clip-sheet";
+                let keys = "joint-map, face-map, face-points, face-sheet, shape-sheet, clip-sheet";
                 return Ok(Some(keys));
             }
         }
@@ -90,6 +93,7 @@ impl WrittenFiles {
     fn paths(&self) -> impl Iterator<Item = &Path> {
         let all = [
             &self.joint_map,
+            &self.face_map,
             &self.face_sheet,
             &self.shape_sheet,
             &self.clip_sheet,
@@ -183,6 +187,11 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
             findings.warnings.push(WarningInspection { at, what });
         }
         findings.written.push(shown);
+    }
+    if let Some(path) = &write.face_map {
+        let bytes = rig_face_map(&figure.opened)?;
+        console.files.write(path, &bytes)?;
+        findings.written.push(files::shown(path));
     }
     console.result(&findings, |found| text::of(found, args.map))
 }

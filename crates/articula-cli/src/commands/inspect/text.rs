@@ -22,10 +22,8 @@ pub(super) fn of(found: &Inspection, map: bool) -> String {
         text.push_str(&skeleton_text(skeleton));
     }
     if let Some(face) = &found.face {
-        text.push_str(&format!(
-            "\nface: {} morph targets, {} facial animation parameters\n",
-            face.morphs, face.faps
-        ));
+        text.push_str(&format!("\nface: {} morph targets\n", face.morphs));
+        text.push_str(&face::drives(face));
     }
     text.push_str(&human::body(&found.human));
     section(&mut text, "clips", clips(found), found.clips.len());
