@@ -2,8 +2,8 @@
 
 use crate::coarticulation::segments;
 use crate::{FRAME_RATE_HZ, TimedPhone, VisemeTrack};
+use articula_core::Libm;
 use articula_core::viseme::{VISEME_COUNT, Viseme};
-use libm::logf;
 
 /// Share of each weight that is spread over all: a phone that is not heard costs much, not all.
 const DOUBT: f32 = 0.1;
@@ -136,7 +136,7 @@ fn best_path(track: &VisemeTrack, states: &[State]) -> Vec<usize> {
 }
 
 fn logs(weights: &[f32; VISEME_COUNT]) -> [f32; VISEME_COUNT] {
-    weights.map(|w| logf((1.0 - DOUBT) * w + DOUBT / VISEME_COUNT as f32))
+    weights.map(|w| ((1.0 - DOUBT) * w + DOUBT / VISEME_COUNT as f32).libm_ln())
 }
 
 /// The frames of each phone, and the pauses between them.

@@ -1,7 +1,7 @@
 //! Powers of mel bands in a window of sound.
 
 use crate::SAMPLE_RATE_HZ;
-use libm::{cos, logf, pow, sin};
+use articula_core::Libm;
 use std::f64::consts::PI;
 
 /// Samples of a window: 25 ms.
@@ -33,7 +33,7 @@ pub(crate) struct Bands {
 impl Bands {
     pub(crate) fn new() -> Self {
         let window = (0..WINDOW).map(|i| {
-            let half = sin(PI * (i as f64 + 0.5) / WINDOW as f64);
+            let half = (PI * (i as f64 + 0.5) / WINDOW as f64).libm_sin();
             (half * half) as f32
         });
         let window: Vec<f32> = window.collect();
@@ -73,7 +73,7 @@ impl Bands {
                 .zip(&powers[*first..])
                 .map(|(w, p)| w * p)
                 .sum();
-            *log = logf(power + noise + FLOOR);
+            *log = (power + noise + FLOOR).libm_ln();
         }
         logs
     }
@@ -82,7 +82,7 @@ impl Bands {
 /// What the emphasis of treble does to the power at a frequency.
 fn emphasis(bin: usize) -> f64 {
     let share = f64::from(PRE_EMPHASIS);
-    1.0 + share * share - 2.0 * share * cos(2.0 * PI * bin as f64 / TRANSFORM as f64)
+    1.0 + share * share - 2.0 * share * (2.0 * PI * bin as f64 / TRANSFORM as f64).libm_cos()
 }
 
 /// The band that rises from `low` to `middle` and falls to `high`, in hertz.
@@ -103,11 +103,11 @@ fn triangle(low: f64, middle: f64, high: f64) -> (usize, Vec<f32>) {
 
 /// O'Shaughnessy's mel scale.
 fn mel(hertz: f64) -> f64 {
-    2_595.0 * libm::log10(1.0 + hertz / 700.0)
+    2_595.0 * (1.0 + hertz / 700.0).libm_log10()
 }
 
 fn hertz(mel: f64) -> f64 {
-    700.0 * (pow(10.0, mel / 2_595.0) - 1.0)
+    700.0 * (10f64.libm_powf(mel / 2_595.0) - 1.0)
 }
 
 #[cfg(test)]
@@ -119,7 +119,7 @@ mod tests {
         let bands = Bands::new();
         for tone_hz in [200.0, 1_000.0, 3_000.0, 6_500.0] {
             let sample =
-                |n: usize| sin(2.0 * PI * tone_hz * n as f64 / f64::from(SAMPLE_RATE_HZ)) as f32;
+                |n: usize| (2.0 * PI * tone_hz * n as f64 / f64::from(SAMPLE_RATE_HZ)).sin() as f32;
             let samples: Vec<f32> = (0..WINDOW).map(sample).collect();
             let logs = bands.log_powers(&samples);
             let loudest = (0..BANDS)
@@ -146,7 +146,7 @@ mod tests {
         let louder: Vec<f32> = samples.iter().map(|s| 4.0 * s).collect();
         let (soft, loud) = (bands.log_powers(&samples), bands.log_powers(&louder));
         for (soft, loud) in soft.iter().zip(loud) {
-            assert!((loud - soft - logf(16.0)).abs() < 1e-3);
+            assert!((loud - soft - 16f32.ln()).abs() < 1e-3);
         }
     }
 }

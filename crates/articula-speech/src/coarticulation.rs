@@ -5,8 +5,8 @@
 
 use crate::phone::{Phone, phones_of_arpabet, phones_of_ipa};
 use crate::{FRAME_RATE_HZ, TimedPhone};
+use articula_core::Libm;
 use articula_core::viseme::{VISEME_COUNT, Viseme};
-use libm::expf;
 
 /// How a shape competes with its neighbours: its strength, and the times over which it comes and goes.
 struct Dominance {
@@ -107,7 +107,7 @@ pub(crate) fn weights(segments: &[Segment], frames: usize) -> Vec<[f32; VISEME_C
             let after = (secs - segment.end_secs).max(0.0) / shape.lag_secs;
             let away = before.max(after);
             let weight = &mut weights[segment.viseme.number()];
-            *weight = weight.max(shape.strength * expf(-2.0 * away * away));
+            *weight = weight.max(shape.strength * (-2.0 * away * away).libm_exp());
         }
     }
     for weights in &mut made {

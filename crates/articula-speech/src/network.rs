@@ -1,7 +1,7 @@
 //! The stored network: layers over the frames around one, a frame at a time.
 
+use articula_core::Libm;
 use articula_core::viseme::VISEME_COUNT;
-use libm::expf;
 
 /// The weights of the product (`docs/methods/speech.md`).
 const STORED: &[u8] = include_bytes!("../weights/asp1.bin");
@@ -204,7 +204,7 @@ fn softmax(values: &[f32]) -> [f32; VISEME_COUNT] {
     let greatest = values.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let mut out = [0.0; VISEME_COUNT];
     for (out, value) in out.iter_mut().zip(values) {
-        *out = expf(value - greatest);
+        *out = (value - greatest).libm_exp();
     }
     let sum: f32 = out.iter().sum();
     out.map(|value| value / sum)

@@ -1,7 +1,7 @@
 //! Features that do not depend on gain and channel, from the past alone.
 
 use crate::bands::{BANDS, FLOOR};
-use libm::{expf, logf};
+use articula_core::Libm;
 
 /// Numbers of a frame: the bands and the level.
 pub(crate) const FEATURES: usize = BANDS + 1;
@@ -43,8 +43,8 @@ impl Normaliser {
     }
 
     pub(crate) fn next(&mut self, logs: &[f32; BANDS]) -> Normalised {
-        let mean_power = logs.iter().map(|log| expf(*log)).sum::<f32>() / BANDS as f32;
-        let level = logf(mean_power + FLOOR);
+        let mean_power = logs.iter().map(|log| log.libm_exp()).sum::<f32>() / BANDS as f32;
+        let level = (mean_power + FLOOR).libm_ln();
         self.peak = (self.peak - FALL).max(level).max(LEAST_PEAK);
         let below = level - self.peak;
         if below > SPEECH {

@@ -4,7 +4,7 @@
 //! on, and the same recording shall give the same bits on all.
 
 use crate::SAMPLE_RATE_HZ;
-use libm::{cos, sin};
+use articula_core::Libm;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
 
@@ -106,7 +106,7 @@ impl Resampler {
 /// An entry of the filter: a sinc under a raised cosine, of gain 1 at the lower rate.
 fn filter(entry: usize) -> f32 {
     let x = CROSSINGS * entry as f64 / ENTRIES as f64;
-    let window = 0.5 + 0.5 * cos(PI * (x / CROSSINGS).min(1.0));
+    let window = 0.5 + 0.5 * (PI * (x / CROSSINGS).min(1.0)).libm_cos();
     (PASS * sinc(PASS * x) * window) as f32
 }
 
@@ -114,6 +114,6 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 {
         1.0
     } else {
-        sin(PI * x) / (PI * x)
+        (PI * x).libm_sin() / (PI * x)
     }
 }
