@@ -22,12 +22,13 @@ const LIBRARIES: &[&str] = &[
     "articula-build",
     "articula-flat",
     "articula-human",
+    "articula-speech",
     "articula",
 ];
 
 /// Features with which the library is checked: none, for pages that only play, and each of its features alone, but for
 /// `formats`, which opens files and is used nowhere else; `item` needs all others.
-const FEATURES: &[&str] = &["", "prepare", "flat", "streams", "fbx"];
+const FEATURES: &[&str] = &["", "prepare", "flat", "streams", "fbx", "speech"];
 
 /// Checks the libraries for WebAssembly, after installing the target.
 pub(crate) fn check() -> Result<Outcome> {

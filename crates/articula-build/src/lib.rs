@@ -121,6 +121,7 @@ pub use simplify::{
 };
 pub use simplify_within::{SimplifiedWithin, simplify_within};
 pub use source_hash::{SourceHash, hash_bytes, rig_hash};
+pub use split_mix::SplitMix;
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
 };

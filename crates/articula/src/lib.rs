@@ -28,6 +28,7 @@
 //! - [`prepare()`]: computes motion tables and, on request, mesh levels, and stores them in a GLB
 //! - [`convert()`]: converts between formats, edits clips, selects levels of articulation
 //! - [`face`]: facial animation parameters of MPEG-4 on the face of a character
+//! - [`speech`]: faces that speak, from a voice
 //! - [`clip_streams`]: motions of bodies and faces as streams that can be cut
 //! - [`item`]: a character as a digital item, a folder of streams that can be cut
 //! - [`client`]: digital items as they arrive over a network, and the sessions of a server
@@ -51,6 +52,7 @@
 //! - `flat`: [`flat`], [`flatten`], [`impostor`], and the impostors of a [`crowd`]
 //! - `streams`: [`stream`], [`clip_streams`], and formats that hold streams: ABP, AFP, FBA and MP4 files are read and
 //!   written, and the motion streams of an asset are read
+//! - `speech`: [`speech`]
 //! - `item`: [`item`], and [`fs`] opens digital items; includes the three others
 //! - `formats`: BVH, ASF, AMC, BVA, X3D, VRML97 and BAP files are opened; `fbx`: FBX files
 //!
@@ -103,6 +105,8 @@ pub mod optimize;
 mod prepare;
 mod prepared;
 mod resampling;
+#[cfg(feature = "speech")]
+pub mod speech;
 mod work;
 
 pub use camera_path::read_camera_path;

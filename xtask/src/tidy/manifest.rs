@@ -13,6 +13,7 @@ const SIBLINGS: &[&str] = &[
     "articula-flat",
     "articula-stream",
     "articula-human",
+    "articula-speech",
 ];
 
 /// Allowed dependencies between siblings, as (crate, dependency). The reference human uses the

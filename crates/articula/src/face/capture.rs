@@ -52,7 +52,7 @@ pub struct ShapeLoss {
 }
 
 /// Values of the parameters of one row, not rounded.
-pub(super) fn row_values(bridge: &CaptureBridge, frame: &LiveLinkFrame) -> FapValues {
+pub(crate) fn row_values(bridge: &CaptureBridge, frame: &LiveLinkFrame) -> FapValues {
     let mut values = bridge.values(&frame.shapes);
     for ((fap, sign), angle) in HEAD.iter().zip(frame.angles) {
         values.set(*fap, sign * angle / ANGLE_UNIT);

@@ -29,13 +29,13 @@ fn high_level(frame: &FapFrame) -> FapValues {
 }
 
 /// The values of a frame of a FAP file: whole numbers.
-pub(super) fn rounded(values: &FapValues) -> [i32; LOW_FAP_COUNT] {
+pub(crate) fn rounded(values: &FapValues) -> [i32; LOW_FAP_COUNT] {
     const LARGEST: f32 = 1e6;
     values.0.map(|v| v.clamp(-LARGEST, LARGEST).round() as i32)
 }
 
 /// A name as that of a clip in a FAP file, which has no spaces.
-pub(super) fn file_name(name: &str) -> String {
+pub(crate) fn file_name(name: &str) -> String {
     name.split_whitespace().collect::<Vec<_>>().join("_")
 }
 

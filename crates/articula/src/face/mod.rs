@@ -43,6 +43,7 @@ mod targets;
 mod turns;
 mod vrma;
 
+pub(crate) use capture::row_values;
 pub use capture::{
     CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, drives_shapes, faps_to_capture,
 };
@@ -54,6 +55,7 @@ pub use detail::{
 pub use fdp::{face_fdp, fdp_points};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, ShownParameter, fit_capture, fit_face};
 pub(crate) use found::FoundFace;
+pub(crate) use frames::{file_name, rounded};
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use measured::measure_faps;
 pub use named::{NamedTarget, named_controls, rig_face_map};
