@@ -2,7 +2,7 @@
 
 use crate::commands::{
     adapt, bench, build, completions, convert, crowd, demo, flatten, gbsd, human, inspect, lod,
-    optimize, package, play, serve,
+    optimize, package, play, serve, speak,
 };
 use crate::console::{Answer, Console, Progress};
 use articula::fs::Existing;
@@ -58,6 +58,8 @@ pub(crate) enum Command {
     Inspect(inspect::InspectArgs),
     /// Convert between formats, retarget, clean or reduce animations
     Convert(convert::ConvertArgs),
+    /// Make a face speak: a recording as blend shapes, visemes or facial animation parameters
+    Speak(speak::SpeakArgs),
     /// Write the procedural reference human as GLB
     Human(human::HumanArgs),
     /// Prepare an asset: store articulation, motion tables and mesh levels in a GLB
@@ -93,6 +95,7 @@ impl Command {
             Self::Demo(args) => demo::run(args, console),
             Self::Inspect(args) => inspect::run(args, console),
             Self::Convert(args) => convert::run(args, console),
+            Self::Speak(args) => speak::run(args, console),
             Self::Human(args) => human::run(args, console),
             Self::Build(args) => build::run(args, console),
             Self::Optimize(args) => optimize::run(args, console),

@@ -15,6 +15,8 @@ pub(crate) mod inspect;
 pub(crate) mod lod;
 pub(crate) mod optimize;
 pub(crate) mod package;
+mod phones;
 pub(crate) mod play;
 pub(crate) mod serve;
 pub(crate) mod server;
+pub(crate) mod speak;

@@ -61,6 +61,7 @@ mod serving;
 mod sizes;
 mod skinned_files;
 mod soak;
+mod speak;
 mod streams;
 #[path = "../../../articula-formats/tests/it/thinned/mod.rs"]
 mod thinned;

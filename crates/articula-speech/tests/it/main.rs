@@ -1,6 +1,13 @@
-//! Tests of speech on whole recordings.
+//! Properties of speech on made sound, and on recordings of people.
+//!
+//! One program: linking one is faster than linking many.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may panic, reads files of the repository, and prints what it measures"
+)]
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
-
+mod people;
 mod recogniser;
 mod resampler;

@@ -1,7 +1,7 @@
 //! The controls of a face: morph targets named as ARKit's blend shapes, expressions, or joints.
 
 use super::joints::{FaceJoints, JointOffset};
-use super::named::{control_of, named_controls};
+use super::named::{NamedTarget, control_of, named_controls};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use articula_build::face::{
@@ -91,6 +91,21 @@ impl FaceControls {
             targets,
             shares: Vec::new(),
         })
+    }
+
+    /// Controls that are driven by weights of their own, whatever else the face has.
+    pub(super) fn of_named(named: &[NamedTarget]) -> Self {
+        let columns: Vec<FapValues> = named.iter().map(|n| control_column(n.control)).collect();
+        let target = |named: &NamedTarget| match named.expression {
+            Some(index) => Target::Expression(index),
+            None => Target::Morphs(named.morphs.clone()),
+        };
+        Self {
+            bridge: FaceBridge::new(columns.clone()),
+            columns: Some(columns),
+            targets: named.iter().map(target).collect(),
+            shares: Vec::new(),
+        }
     }
 
     /// Joints below the head of a figure.

@@ -4,6 +4,7 @@ use super::capture;
 use super::controls::{FaceControls, FaceKind};
 use super::frames::{face_frames, moving};
 use super::levels::FaceLevelReport;
+use super::named::NamedTarget;
 use super::rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE, weight_of};
 use super::turns::turns;
 use crate::error::{Context, Error, Result};
@@ -196,6 +197,35 @@ pub fn fit_capture(
         columns: rig.columns(Some(GENERIC_BRIDGE)),
     };
     fitted(motion, file, character, controls)
+}
+
+/// Weights of named controls over time, with the parameters that they and the turn of the head amount to.
+pub(crate) struct NamedMotion {
+    pub(crate) times_secs: Vec<f32>,
+    pub(crate) values: Vec<FapValues>,
+    /// For each frame, the weight of each control.
+    pub(crate) weights: Vec<Vec<f32>>,
+}
+
+/// Drives named controls of a character, of at least one, by weights of their own; joints turn head and eyes.
+pub(crate) fn fit_named(
+    motion: NamedMotion,
+    named: &[NamedTarget],
+    file: &str,
+    character: &CharacterFile,
+) -> Result<FittedFace> {
+    let shown = motion.weights.into_iter().map(|weights| ShownFace {
+        weights,
+        error_mm: [0.0; LOW_FAP_COUNT],
+    });
+    let motion = FaceMotion {
+        from: String::new(),
+        times: motion.times_secs,
+        values: motion.values,
+        shown: shown.collect(),
+        columns: FaceColumns::Generic,
+    };
+    fitted(motion, file, character, &FaceControls::of_named(named))
 }
 
 /// Values and weights of each frame of a face clip.

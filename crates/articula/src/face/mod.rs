@@ -54,6 +54,7 @@ pub use detail::{
 };
 pub use fdp::{face_fdp, fdp_points};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, ShownParameter, fit_capture, fit_face};
+pub(crate) use fit::{NamedMotion, fit_named};
 pub(crate) use found::FoundFace;
 pub(crate) use frames::{file_name, rounded};
 pub use levels::{FaceLevelReport, expand_face, reduce_face};

@@ -46,6 +46,7 @@ mod round_trips;
 mod shaders;
 mod short;
 mod simplified;
+mod speech;
 mod staged_items;
 mod streams;
 mod travelling_items;
