@@ -124,6 +124,13 @@ fn the_reference_of_commands_runs() {
     std::fs::copy(human(), folder.join("head.glb")).unwrap();
     let talk = root().join("assets/fap/speech_synthetic.fap");
     std::fs::copy(talk, folder.join("talk.fap")).unwrap();
+    for (name, to) in [
+        ("glb/ict_head_talk_554.glb", "face.glb"),
+        ("speech/librivox_austen_0880.wav", "hello.wav"),
+        ("speech/librivox_austen_0880.lab", "hello.TextGrid"),
+    ] {
+        std::fs::copy(root().join("assets").join(name), folder.join(to)).unwrap();
+    }
     for command in [
         "convert talk.fap talk.afp",
         "package figure.glb item --no-2d",
