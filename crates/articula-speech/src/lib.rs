@@ -25,11 +25,12 @@
 //! - `phone`, `phone_times`: phones of the IPA and of ARPAbet, and files of their times
 //! - `coarticulation`: phones as weights of visemes
 //! - `align`: times of known phones in a recording
-//! - `track`: the frames of a recording, smoothed
+//! - `frame`, `track`: the frames of a recording, smoothed
 
 mod align;
 mod bands;
 mod coarticulation;
+mod frame;
 mod network;
 mod normaliser;
 mod phone;
@@ -41,12 +42,13 @@ mod track;
 
 pub use align::{AlignError, align};
 pub use articula_core::viseme::{VISEME_COUNT, Viseme};
+pub use frame::VisemeFrame;
 pub use phone::{Phone, phones_of_ipa};
 pub use phone_times::{PhoneTimesError, TimedPhone, read_phone_times};
 pub use recogniser::{LOOK_AHEAD_SECS, Recogniser};
 pub use resampler::Resampler;
 pub use sound::{Sound, SoundError};
-pub use track::{VisemeFrame, VisemeTrack};
+pub use track::VisemeTrack;
 
 /// Samples a second of what is recognised.
 pub const SAMPLE_RATE_HZ: u32 = 16_000;

@@ -2,9 +2,9 @@
 
 use crate::HOP;
 use crate::bands::{BANDS, Bands, PRE_EMPHASIS, WINDOW};
+use crate::frame::VisemeFrame;
 use crate::network::{Network, RunningNetwork};
 use crate::normaliser::Normaliser;
-use crate::track::VisemeFrame;
 use articula_core::viseme::VISEME_COUNT;
 use std::collections::VecDeque;
 

@@ -1,7 +1,7 @@
 //! The frames of a recording.
 
 use crate::coarticulation::{segments, weights};
-use crate::{FRAME_RATE_HZ, Recogniser, Sound, TimedPhone};
+use crate::{FRAME_RATE_HZ, Recogniser, Sound, TimedPhone, VisemeFrame};
 use articula_core::viseme::{VISEME_COUNT, Viseme};
 
 /// Share of a frame's own weights after smoothing.
@@ -10,29 +10,6 @@ const OWN: f32 = 0.6;
 const CLOSING: f32 = 4.0;
 /// The shapes that are made for a moment: they are not smoothed away.
 const CONTACTS: [Viseme; 2] = [Viseme::Pp, Viseme::Ff];
-
-/// The mouth shapes of a hundredth of a second.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct VisemeFrame {
-    /// Share of each viseme, by its number; the sum is 1.
-    pub weights: [f32; VISEME_COUNT],
-    /// Level below the loudest of the last seconds, in decibels: 0 at most.
-    pub level_db: f32,
-}
-
-impl VisemeFrame {
-    /// The viseme with the greatest share.
-    pub fn strongest(&self) -> Viseme {
-        let greatest = |a: &&Viseme, b: &&Viseme| {
-            self.weights[a.number()].total_cmp(&self.weights[b.number()])
-        };
-        Viseme::ALL
-            .iter()
-            .max_by(greatest)
-            .copied()
-            .unwrap_or(Viseme::Silence)
-    }
-}
 
 /// Frames at [`FRAME_RATE_HZ`].
 #[derive(Debug, Clone, PartialEq, Default)]
