@@ -89,6 +89,8 @@ const SEEDS: &[Seeds] = &[
     seeds("mpeg4", b"\x02", &["epf"]),
     seeds("mpeg4", b"\x03", &["fdp"]),
     seeds("optimize", b"", &["glb", "gltf", "vrm"]),
+    seeds("speech", b"\0", &["wav"]),
+    seeds("speech", b"\x01", &["lab"]),
     seeds("stream_index", b"", &["auix"]),
     seeds("x3d", b"", &["x3d", "wrl"]),
 ];

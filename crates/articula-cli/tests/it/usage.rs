@@ -159,7 +159,7 @@ fn wrong_settings_name_the_flag_and_what_is_allowed() {
         (
             &["inspect", "a.bvh", "--write", "map=a.json"],
             "--write",
-            "joint-map, face-points",
+            "joint-map, face-map, face-points",
         ),
         (
             &["lod", "a.glb", "--thesis", "curve=round"],
