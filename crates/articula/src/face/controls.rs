@@ -1,7 +1,9 @@
 //! The controls of a face: morph targets named as ARKit's blend shapes, expressions, or joints.
 
 use super::joints::{FaceJoints, JointOffset};
-use super::named::{NamedTarget, control_of, named_controls};
+#[cfg(feature = "speech")]
+use super::named::NamedTarget;
+use super::named::{control_of, named_controls};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use articula_build::face::{
@@ -94,6 +96,7 @@ impl FaceControls {
     }
 
     /// Controls that are driven by weights of their own, whatever else the face has.
+    #[cfg(feature = "speech")]
     pub(super) fn of_named(named: &[NamedTarget]) -> Self {
         let columns: Vec<FapValues> = named.iter().map(|n| control_column(n.control)).collect();
         let target = |named: &NamedTarget| match named.expression {

@@ -4,6 +4,7 @@ use super::capture;
 use super::controls::{FaceControls, FaceKind};
 use super::frames::{face_frames, moving};
 use super::levels::FaceLevelReport;
+#[cfg(feature = "speech")]
 use super::named::NamedTarget;
 use super::rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE, weight_of};
 use super::turns::turns;
@@ -200,6 +201,7 @@ pub fn fit_capture(
 }
 
 /// Weights of named controls over time, with the parameters that they and the turn of the head amount to.
+#[cfg(feature = "speech")]
 pub(crate) struct NamedMotion {
     pub(crate) times_secs: Vec<f32>,
     pub(crate) values: Vec<FapValues>,
@@ -208,6 +210,7 @@ pub(crate) struct NamedMotion {
 }
 
 /// Drives named controls of a character, of at least one, by weights of their own; joints turn head and eyes.
+#[cfg(feature = "speech")]
 pub(crate) fn fit_named(
     motion: NamedMotion,
     named: &[NamedTarget],

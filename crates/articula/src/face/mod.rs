@@ -20,10 +20,13 @@
 //! - `fit`: a FAP clip as a clip of a character
 //! - `levels`: a FAP clip at a level of articulation
 //! - `detail`: error of levels on a head, and their choice by distance
+//! - `driven`: how many parameters a face shows
 
 mod capture;
 mod controls;
 mod detail;
+#[cfg(all(feature = "flat", feature = "streams"))]
+mod driven;
 mod fdp;
 mod fields;
 mod fit;
@@ -43,6 +46,7 @@ mod targets;
 mod turns;
 mod vrma;
 
+#[cfg(feature = "speech")]
 pub(crate) use capture::row_values;
 pub use capture::{
     CaptureReport, ShapeLoss, capture_of_clip, capture_to_faps, drives_shapes, faps_to_capture,
@@ -52,17 +56,20 @@ pub use detail::{
     FACE_DISTANCES_M, FaceDetailOptions, FaceDetailReport, FaceDetailRow, FaceLevelError, FapLever,
     MeasuredFace, face_detail,
 };
+#[cfg(all(feature = "flat", feature = "streams"))]
+pub(crate) use driven::driven_faps;
 pub use fdp::{face_fdp, fdp_points};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, ShownParameter, fit_capture, fit_face};
+#[cfg(feature = "speech")]
 pub(crate) use fit::{NamedMotion, fit_named};
 pub(crate) use found::FoundFace;
+#[cfg(feature = "speech")]
 pub(crate) use frames::{file_name, rounded};
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use measured::measure_faps;
 pub use named::{NamedTarget, named_controls, rig_face_map};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub(crate) use region::face_vertices;
-pub(crate) use rig::driven_faps;
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
 pub use surface::HeadSurface;

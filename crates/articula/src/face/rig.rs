@@ -9,8 +9,6 @@ use crate::open::CharacterFile;
 use articula_build::face::{FaceBridge, FapValues, blend_shape};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES, BlendShape};
 use articula_core::face_control::ShapeSet;
-use articula_core::fap_table::{FAP_COUNT, LOW_FAP_COUNT, LOW_FAPS};
-use articula_core::source::Character;
 use glam::Vec3;
 use serde::Serialize;
 
@@ -212,14 +210,4 @@ fn name_of(columns: &[FapValues]) -> String {
         hash.update(&(value.round() as i32).to_le_bytes());
     }
     hash.finalize().to_hex()[..16].to_owned()
-}
-
-/// Number of the 68 parameters that the morph targets or expressions of a character show, the viseme and
-/// the expression (FAP 1 and 2) among them if anything is shown.
-pub(crate) fn driven_faps(character: &Character) -> usize {
-    let Some(controls) = FaceControls::of(character) else {
-        return 0;
-    };
-    let low = LOW_FAPS.filter(|fap| controls.bridge().moves(*fap)).count();
-    low + usize::from(low > 0) * (FAP_COUNT - LOW_FAP_COUNT)
 }
