@@ -75,18 +75,8 @@ impl VisemeTrack {
     pub fn eased(&self) -> Self {
         let mut eased = self.clone();
         for contact in CONTACTS.map(Viseme::number) {
-            let mut least = 0.0f32;
-            let mut ease = |frame: &mut VisemeFrame| {
-                least = frame.weights[contact].max(least - 1.0 / CLOSING);
-                frame.weights[contact] = least;
-            };
-            eased.frames.iter_mut().for_each(&mut ease);
-            least = 0.0;
-            let mut ease = |frame: &mut VisemeFrame| {
-                least = frame.weights[contact].max(least - 1.0 / CLOSING);
-                frame.weights[contact] = least;
-            };
-            eased.frames.iter_mut().rev().for_each(&mut ease);
+            ease(eased.frames.iter_mut(), contact);
+            ease(eased.frames.iter_mut().rev(), contact);
         }
         for frame in &mut eased.frames {
             frame.weights = shares(frame.weights, &CONTACTS);
@@ -112,6 +102,15 @@ impl VisemeTrack {
             weights: std::array::from_fn(|v| mix(a.weights[v], b.weights[v])),
             level_db: mix(a.level_db, b.level_db),
         }
+    }
+}
+
+/// Lets a contact fade over the frames after it, in the order of the frames.
+fn ease<'a>(frames: impl Iterator<Item = &'a mut VisemeFrame>, contact: usize) {
+    let mut least = 0.0f32;
+    for frame in frames {
+        least = frame.weights[contact].max(least - 1.0 / CLOSING);
+        frame.weights[contact] = least;
     }
 }
 

@@ -1,7 +1,8 @@
 //! What a mouth does for each viseme.
 
-use articula_build::face::{FapValues, add_viseme, arkit_shape};
+use articula_build::face::{FapValues, arkit_shape, control_column};
 use articula_core::arkit_table::BLEND_SHAPE_COUNT;
+use articula_core::face_control::FaceControl;
 use articula_core::viseme::{VISEME_COUNT, Viseme};
 use articula_speech::VisemeFrame;
 
@@ -149,9 +150,7 @@ pub(super) fn amounts(frame: &VisemeFrame) -> [f32; VISEME_COUNT] {
 pub(super) fn fap_values(frame: &VisemeFrame) -> FapValues {
     let mut values = FapValues::default();
     for (viseme, amount) in Viseme::ALL.into_iter().zip(amounts(frame)) {
-        // A weight of 63 of 63: the amount is applied to what the standard's blend gives.
-        let mut whole = FapValues::default();
-        add_viseme(&mut whole, [viseme.number() as u8, 0], 63);
+        let whole = control_column(FaceControl::Viseme(viseme));
         for (sum, value) in values.0.iter_mut().zip(whole.0) {
             *sum += amount * value;
         }
