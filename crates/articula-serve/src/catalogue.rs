@@ -3,12 +3,13 @@
 use crate::error::ServeError;
 use crate::making::Making;
 use crate::metrics::Metrics;
-use crate::objects::{Objects, remove, write};
+use crate::objects::{Objects, write};
 use crate::options::ServeOptions;
+use crate::packed::is_packed;
 use crate::plans::Plans;
 use crate::record::{Records, Served};
 use crate::sessions::Sessions;
-use crate::source::Source;
+use crate::source::{PACKED, Source, names, remove_source, sources};
 use articula::Format;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -18,8 +19,6 @@ use tokio::sync::{Semaphore, watch};
 
 /// Folder of what the server makes, in that of the characters.
 const MADE: &str = ".articula";
-/// Extensions of files that hold all of a character.
-const EXTENSIONS: [&str; 3] = ["glb", "vrm", "fbx"];
 /// Longest name in bytes.
 const LONGEST: usize = 100;
 
@@ -90,7 +89,7 @@ struct Shared {
 
 impl Catalogue {
     /// Opens a folder: every `.glb`, `.vrm` and `.fbx` in it is a character, by the name of the file without its
-    /// extension. What was packaged before is ready at once.
+    /// extension, and so is every item in a `.zip` or in a folder of its own. What was packaged before is ready at once.
     ///
     /// # Errors
     /// [`ServeError::Store`] with the folder or file that cannot be read.
@@ -112,17 +111,9 @@ impl Catalogue {
             arrived: Condvar::new(),
         }));
         for file in sources(root)? {
-            let stem = file.file_stem().unwrap_or_default();
-            let stem = stem.to_string_lossy().into_owned();
-            let name = match catalogue.state(&stem) {
-                None => stem,
-                Some(_) => file
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy()
-                    .into_owned(),
-            };
-            catalogue.add(name, file)?;
+            let (stem, name) = names(&file);
+            let is_free = catalogue.state(&stem).is_none();
+            catalogue.add(if is_free { stem } else { name }, file)?;
         }
         Ok(catalogue)
     }
@@ -151,13 +142,14 @@ impl Catalogue {
     /// Stores a character under a name, which then waits to be packaged; one of this name is replaced.
     ///
     /// # Errors
-    /// [`ServeError::Name`], [`ServeError::Form`] for other bytes than those of a binary glTF or an FBX, and
-    /// [`ServeError::Store`].
+    /// [`ServeError::Name`], [`ServeError::Form`] for other bytes than those of a binary glTF, an FBX or an item in one
+    /// file, and [`ServeError::Store`].
     pub fn put(&self, name: &str, bytes: &[u8]) -> Result<CharacterState, ServeError> {
         check_name(name)?;
         let extension = match Format::from_bytes(bytes, "") {
             Some(Format::Glb) => "glb",
             Some(Format::Fbx) => "fbx",
+            None if is_packed(bytes) => PACKED,
             _ => return Err(ServeError::Form),
         };
         let file = self.0.root.join(format!("{name}.{extension}"));
@@ -166,12 +158,12 @@ impl Catalogue {
             .get(name)
             .map(|c| c.file.clone());
         if let Some(before) = before.filter(|before| *before != file) {
-            remove(&before)?;
+            remove_source(&before)?;
         }
         self.add(name.to_owned(), file)
     }
 
-    /// Removes a character and its file; returns whether there was one. What is made of it stays until the next
+    /// Removes a character and its file or folder; returns whether there was one. What is made of it stays until the next
     /// server begins, as the same file may come again.
     ///
     /// # Errors
@@ -185,7 +177,7 @@ impl Catalogue {
         let Some(known) = characters.get(name) else {
             return Ok(false);
         };
-        remove(&known.file)?;
+        remove_source(&known.file)?;
         characters.remove(name);
         drop(characters);
         self.0.news.send_modify(|count| *count += 1);
@@ -356,22 +348,6 @@ fn check_name(name: &str) -> Result<(), ServeError> {
         true => Ok(()),
         false => Err(ServeError::Name(name.chars().take(LONGEST).collect())),
     }
-}
-
-/// The character files of a folder, by name.
-#[allow(clippy::disallowed_methods, reason = "the store is a folder")]
-fn sources(root: &Path) -> Result<Vec<PathBuf>, ServeError> {
-    let fault = |error: std::io::Error| ServeError::store(root, &error);
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(root).map_err(fault)? {
-        let path = entry.map_err(fault)?.path();
-        let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-        if path.is_file() && EXTENSIONS.iter().any(|known| extension == *known) {
-            found.push(path);
-        }
-    }
-    found.sort();
-    Ok(found)
 }
 
 #[cfg(test)]

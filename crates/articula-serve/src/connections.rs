@@ -1,11 +1,12 @@
 //! Connections: how many there are at once, how long a silent one is kept, and how they end.
 
+use crate::addresses::Addresses;
 use crate::catalogue::Catalogue;
 use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::options::ServeOptions;
 use crate::paced::Paced;
-use axum::Router;
+use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -24,6 +25,10 @@ const REST: Duration = Duration::from_millis(50);
 /// What a connection beyond the limit is told.
 const FULL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Length: 0\r\n\
     Connection: close\r\n\r\n";
+/// What a connection beyond the limit of its address is told (RFC 6585, section 4).
+const FULL_OF_ADDRESS: &[u8] =
+    b"HTTP/1.1 429 Too Many Requests\r\nRetry-After: 1\r\nContent-Length: 0\r\n\
+    Connection: close\r\n\r\n";
 
 /// Answers connections until `stop` ends; those that are open then have a time to end.
 pub(crate) async fn answer(
@@ -34,15 +39,16 @@ pub(crate) async fn answer(
 ) -> Result<(), ServeError> {
     let options = catalogue.options();
     let places = Arc::new(Semaphore::new(options.most_connections));
+    let addresses = Addresses::new(options.most_of_address);
     let ending = watch::Sender::new(());
     let mut connections = JoinSet::new();
     let mut stop = pin!(stop);
     loop {
-        let stream = tokio::select! {
+        let (stream, peer) = tokio::select! {
             () = &mut stop => break,
             Some(_) = connections.join_next() => continue,
             accepted = listener.accept() => match accepted {
-                Ok((stream, _)) => stream,
+                Ok(accepted) => accepted,
                 Err(error) if error.kind() == ErrorKind::InvalidInput => return Err(error.into()),
                 Err(_) => {
                     // No more files may be open: others end first.
@@ -56,7 +62,14 @@ pub(crate) async fn answer(
             let _ = stream.try_write(FULL);
             continue;
         };
-        let (routes, catalogue) = (routes.clone(), catalogue.clone());
+        let Some(of_address) = addresses.open(peer.ip()) else {
+            Metrics::add(&catalogue.metrics().overloaded, 1);
+            let _ = stream.try_write(FULL_OF_ADDRESS);
+            continue;
+        };
+        // A session goes on with the place of its connection.
+        let routes = routes.clone().layer(Extension(of_address));
+        let catalogue = catalogue.clone();
         let is_over = ending.subscribe();
         connections.spawn(async move {
             run(stream, routes, catalogue.options(), is_over).await;

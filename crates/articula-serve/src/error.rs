@@ -25,7 +25,7 @@ pub enum ServeError {
     )]
     Name(String),
     /// Bytes that are no character which holds all its data.
-    #[error("the body is no binary glTF (.glb, .vrm) and no .fbx")]
+    #[error("the body is no binary glTF (.glb, .vrm), no .fbx and no item in a .zip")]
     Form,
     /// A character cannot be opened or packaged.
     #[error(transparent)]

@@ -11,6 +11,7 @@
 //!
 //! - `error`: what goes wrong
 //! - `objects`: bytes by their hash, in a folder
+//! - `source`, `packed`: a character as it lies in the folder; items that were packaged elsewhere
 //! - `record`: what is known of a packaged source
 //! - `catalogue`: the characters of a folder, and the state of each
 //! - `prepare`: the threads that package them
@@ -24,7 +25,7 @@
 //! - `upload`: bodies that clients send; `watcher`: what each request was
 //! - `device_store`, `devices`: results of benchmarks of devices, and their routes
 //! - `http`: routes; `openapi`: the document of them; `origins`: pages that may read them
-//! - `paced`, `connections`: connections at a rate, so many at once, and how they end
+//! - `paced`, `addresses`, `connections`: connections at a rate, so many at once and of one address, and how they end
 //!
 //! ```no_run
 //! use articula_serve::{Catalogue, Preparation, ServeOptions, serve};
@@ -39,6 +40,7 @@
 //! # }
 //! ```
 
+mod addresses;
 mod answer;
 mod catalogue;
 mod connections;
@@ -56,6 +58,7 @@ mod openapi;
 mod options;
 mod origins;
 mod paced;
+mod packed;
 mod page;
 mod plans;
 mod prepare;

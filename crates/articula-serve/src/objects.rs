@@ -255,6 +255,11 @@ pub(crate) fn remove(path: &Path) -> Result<(), ServeError> {
     fs::remove_file(path).map_err(|error| ServeError::store(path, &error))
 }
 
+/// Removes a folder with all that is in it.
+pub(crate) fn remove_folder(path: &Path) -> Result<(), ServeError> {
+    fs::remove_dir_all(path).map_err(|error| ServeError::store(path, &error))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

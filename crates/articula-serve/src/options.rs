@@ -25,6 +25,9 @@ pub struct ServeOptions {
     pub least_upload_bps: f64,
     /// Most connections at once; others get 503 and are closed. Sessions do not count.
     pub most_connections: usize,
+    /// Most connections and sessions of one client address at once, of IPv6 of one network of 64 bits; others get 429 and
+    /// are closed. Without it an address may have all: behind a proxy there is one.
+    pub most_of_address: Option<usize>,
     /// Time for the head of a request, and for the next one on a connection.
     pub silence: Duration,
     /// Time for a client to take something of an answer.
@@ -66,6 +69,7 @@ impl Default for ServeOptions {
             least_upload_bps: 512e3,
             // Most systems let a process open 1024 files.
             most_connections: 900,
+            most_of_address: None,
             silence: Duration::from_secs(20),
             patience: Duration::from_secs(60),
             drain: Duration::from_secs(10),

@@ -3,10 +3,12 @@
 use crate::catalogue::{Catalogue, Progress, Waiting};
 use crate::error::ServeError;
 use crate::metrics::Metrics;
+use crate::packed::{open_folder, open_packed};
 use crate::record::Served;
 use crate::source::Source;
 use crate::sweep::sweep;
-use articula::item::{PackageOptions, package_in_stages};
+use articula::formats::Limits;
+use articula::item::{CarriedFile, Item, PackageOptions, package_in_stages};
 use articula::{Error, Executor, Job, Step, open};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -77,42 +79,58 @@ fn run(catalogue: &Catalogue, is_over: &AtomicBool) {
     }
 }
 
-/// Packages a character and serves its stages.
+/// Makes the item of a character, and serves its stages.
 fn packaged(
     catalogue: &Catalogue,
     waiting: &Waiting,
     is_over: &AtomicBool,
 ) -> Result<Served, ServeError> {
-    let options = catalogue.options();
     let source = Source::read(&waiting.file)?;
+    let limits = Limits {
+        bytes: catalogue.options().most_bytes as u64,
+        ..Limits::default()
+    };
+    let item = match &source {
+        Source::Packed(bytes) => open_packed(bytes, &limits)?,
+        Source::Folder(manifest) => open_folder(&waiting.file, manifest, &limits)?,
+        Source::Figure { bytes, with } => in_stages(catalogue, waiting, (bytes, with), is_over)?,
+    };
+    let served = Served::store(&item, catalogue.objects())?;
+    catalogue.records().put(&source, &served)?;
+    Ok(served)
+}
+
+/// Packages a character file and serves its stages.
+fn in_stages(
+    catalogue: &Catalogue,
+    waiting: &Waiting,
+    (figure, with): (&[u8], &[CarriedFile]),
+    is_over: &AtomicBool,
+) -> Result<Item, ServeError> {
+    let options = catalogue.options();
     let file_name = waiting
         .file
         .file_name()
         .unwrap_or_default()
         .to_string_lossy();
     let mut nothing = |_: &str| Err("a served character holds all its data".to_owned());
-    let opened = open(&source.figure, &file_name, &options.open, &mut nothing)?;
+    let opened = open(figure, &file_name, &options.open, &mut nothing)?;
     let on_step = |_: Step| match is_over.load(Ordering::Acquire) {
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
     let run_jobs = |jobs: &mut [Job<'_>]| jobs.par_iter_mut().for_each(Job::run);
     let work = Executor::default().on_step(&on_step).run_jobs(&run_jobs);
-    let stored = |item: &_| {
-        let served = Served::store(item, catalogue.objects());
-        served.map_err(|error| Error::Io(error.to_string()))
-    };
     let package = PackageOptions {
-        with: [&options.package.with[..], &source.with].concat(),
+        with: [&options.package.with[..], with].concat(),
         ..options.package.clone()
     };
     let item = package_in_stages(opened, &package, &work, &mut |stage| {
-        let served = stored(stage)?;
+        let served = Served::store(stage, catalogue.objects());
+        let served = served.map_err(|error| Error::Io(error.to_string()))?;
         Metrics::add(&catalogue.metrics().stages, 1);
         catalogue.set(waiting, Progress::Packaging, Some(served));
         Ok(())
     })?;
-    let served = stored(&item)?;
-    catalogue.records().put(&source, &served)?;
-    Ok(served)
+    Ok(item)
 }

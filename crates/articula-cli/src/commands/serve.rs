@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Arguments of `serve`.
 #[derive(Debug, Args)]
 pub(crate) struct ServeArgs {
-    /// Folder of characters (.glb, .vrm, .fbx); what is made of them goes to .articula in it
+    /// Folder of characters (.glb, .vrm, .fbx, items); what is made of them goes to .articula in it
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Address and port to listen on; port 0 chooses one
@@ -114,14 +114,17 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
             files::shown(studio)
         )));
     }
+    let of_all = ServeOptions::default();
     let options = ServeOptions {
+        // What comes from this machine may be a proxy, behind which all clients have one address.
+        most_of_address: (!is_local).then_some(of_all.most_connections / 2),
         read_only: args.read_only,
         token: args.token.clone(),
         allow_origin: args.allow_origin.clone(),
         studio: args.studio.clone(),
         throttle_bps: args.throttle_kbps.map(|kbps| 1e3 * kbps),
         watcher: args.log.watcher(),
-        ..ServeOptions::default()
+        ..of_all
     };
     let catalogue = Catalogue::open(&args.folder, &options)?;
     let runtime = tokio::runtime::Runtime::new().context("threads of the server")?;

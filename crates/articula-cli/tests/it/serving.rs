@@ -27,8 +27,10 @@ impl Server {
 
 /// A server of a folder, with its address.
 pub(crate) fn started(folder: &Path, arguments: &[&str]) -> (Server, String) {
-    let program = Command::new(env!("CARGO_BIN_EXE_articula"));
-    started_by(program, folder, arguments)
+    // Another build of it, such as the released one.
+    let program = std::env::var_os("ARTICULA_PROGRAM");
+    let program = program.unwrap_or_else(|| env!("CARGO_BIN_EXE_articula").into());
+    started_by(Command::new(program), folder, arguments)
 }
 
 fn started_by(mut program: Command, folder: &Path, arguments: &[&str]) -> (Server, String) {

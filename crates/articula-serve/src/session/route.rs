@@ -1,6 +1,7 @@
 //! The upgrade of a connection to a session.
 
 use super::run::run;
+use crate::addresses::AddressPlace;
 use crate::catalogue::Catalogue;
 use crate::metrics::Metrics;
 use crate::origins::may_open_session;
@@ -11,7 +12,8 @@ use axum::extract::{State, WebSocketUpgrade};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
-use axum::{Json, Router};
+use axum::{Extension, Json, Router};
+use std::sync::Arc;
 
 /// Bytes that wait for a client at most; who does not take them is sent nothing more.
 const MOST_WAITING_BYTES: usize = 4 * MOST_MESSAGE_BYTES;
@@ -28,6 +30,7 @@ pub(crate) fn routes() -> Router<Catalogue> {
 
 async fn open(
     State(catalogue): State<Catalogue>,
+    of_address: Option<Extension<Arc<AddressPlace>>>,
     headers: HeaderMap,
     upgrade: WebSocketUpgrade,
 ) -> Response {
@@ -46,7 +49,10 @@ async fn open(
         .read_buffer_size(READ_BYTES)
         .write_buffer_size(0)
         .max_write_buffer_size(MOST_WAITING_BYTES)
-        .on_upgrade(move |socket| run(socket, catalogue, place))
+        .on_upgrade(async move |socket| {
+            run(socket, catalogue, place).await;
+            drop(of_address);
+        })
 }
 
 async fn sessions(State(catalogue): State<Catalogue>) -> Response {

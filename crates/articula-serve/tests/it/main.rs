@@ -13,6 +13,7 @@ mod devices;
 mod judges;
 mod openapi;
 mod origins;
+mod packed;
 mod queries;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]
 mod real;

@@ -232,3 +232,34 @@ fn a_connection_is_written_to_at_its_rate() {
         "{list} in {secs} s"
     );
 }
+
+#[test]
+fn an_address_that_holds_its_share_is_told_to_wait() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = ServeOptions {
+        most_of_address: Some(2),
+        ..options()
+    };
+    let server = Server::start(folder.path(), &options);
+    let mut held = Vec::new();
+    for _ in 0..2 {
+        let mut stream = TcpStream::connect(server.at).unwrap();
+        let request = b"GET /healthz HTTP/1.1\r\nHost: a\r\n\r\n";
+        stream.write_all(request).unwrap();
+        let mut head = [0; 12];
+        stream.read_exact(&mut head).unwrap();
+        assert_eq!(&head, b"HTTP/1.1 200");
+        held.push(stream);
+    }
+    let third = said(&server, b"");
+    assert!(third.starts_with("HTTP/1.1 429"), "{third}");
+    assert!(third.contains("Retry-After: 1"), "{third}");
+    drop(held.pop());
+    // Until the server has seen that it is gone.
+    while said(
+        &server,
+        b"GET /healthz HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n",
+    )
+    .starts_with("HTTP/1.1 429")
+    {}
+}
