@@ -96,6 +96,8 @@ enum Table {
     Adaptation,
     /// A server under load: many sessions and their latency, objects beside nginx.
     Sessions(sessions::Choice),
+    /// The bandwidth of a client changes while it plays: what it shows, and how soon.
+    Slider(devices::Builds),
     /// Frame rates on unlike devices made of this machine, and which tests predict an application.
     Devices(devices::Builds),
     /// All tables, one after the other; names and times go to standard error.
@@ -146,6 +148,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::Streams => tables::streams::write(run),
         Table::Adaptation => tables::adaptation::write(run),
         Table::Sessions(choice) => sessions::write(run, choice),
+        Table::Slider(builds) => tables::slider::write(run, builds),
         Table::Devices(builds) => devices::write(run, builds),
         Table::All => all(run),
     }

@@ -1,10 +1,10 @@
-//! `articula demo`: all steps on one character, with an HTML report.
+//! `articula demo`: all steps on one character, with an HTML report, and a folder to serve.
 
 use crate::arguments::ReadArgs;
 use crate::commands::flatten::report::warnings;
 use crate::commands::human;
+use crate::commands::serve::{self, ServeArgs};
 use crate::console::Console;
-use crate::fault;
 use crate::files::{self, Files};
 use crate::open;
 use anyhow::Context;
@@ -14,9 +14,28 @@ use articula::{
     AddClipsOptions, CharacterFile, Figure, MeshLevelOptions, PrepareOptions, PreparedAsset,
     prepare,
 };
-use articula_report::demo::{Demo, DemoReport};
+use articula_report::demo::Demo;
 use clap::Args;
 use std::path::{Path, PathBuf};
+
+/// Folder of characters to serve, in that of the demo.
+const STORE: &str = "store";
+
+/// What the guide says, on the clocks of its clips.
+const CAPTIONS: &str = "WEBVTT
+
+idle
+00:00.000 --> 01:00.000
+Ask me to walk or to wave: the keys 1 to 9 choose a clip.
+
+walk
+00:00.000 --> 01:00.000
+This way, please. I arrive in parts; the first are enough to walk.
+
+wave
+00:00.000 --> 01:00.000
+Here it is! Left and right change the bandwidth, up and down the distance.
+";
 
 /// Arguments of `demo`.
 #[derive(Debug, Args)]
@@ -28,18 +47,13 @@ pub(crate) struct DemoArgs {
     /// Folder to write
     #[arg(long, value_name = "DIR", default_value = "articula-demo")]
     out: PathBuf,
-    /// Open the studio as well (not available yet)
+    /// Then serve the character and a guide, at http://127.0.0.1:8080, until the program is ended
     #[arg(long)]
     serve: bool,
 }
 
 /// Runs all steps and prints the path of the page.
 pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
-    if args.serve {
-        return Err(fault::usage(
-            "--serve: the server comes with the studio, which is not available yet; leave --serve out",
-        ));
-    }
     let folder = Folder::new(&args.out, &args.files, &console.files)?;
     let built = make_asset(&folder, &args.files, console)?;
     let levels = built.mesh_levels.as_ref();
@@ -62,7 +76,20 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     }
     folder.write("report.json", &serde_json::to_vec_pretty(&demo.report)?)?;
     folder.write("index.html", demo.page().as_bytes())?;
-    console.result(&demo.report, DemoReport::text)
+    folder.write_store(&built.glb, console)?;
+    let store = folder.file(STORE);
+    console.result(&demo.report, |report| {
+        let store = files::shown(&store);
+        // The page comes last, where it is looked for.
+        format!(
+            "articula serve {store} serves the character and a guide\n{}",
+            report.text()
+        )
+    })?;
+    match args.serve {
+        true => serve::run(&ServeArgs::of_folder(store), console),
+        false => Ok(()),
+    }
 }
 
 /// The output folder.
@@ -90,8 +117,19 @@ impl<'a> Folder<'a> {
     }
 
     fn write(&self, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
-        self.files.make_folder(&self.path)?;
-        Ok(self.files.write(&self.file(name), bytes)?)
+        let path = self.file(name);
+        self.files
+            .make_folder(path.parent().unwrap_or(&self.path))?;
+        Ok(self.files.write(&path, bytes)?)
+    }
+
+    /// Writes the folder that can be served: the character, and a guide who speaks by captions.
+    fn write_store(&self, character: &[u8], console: &Console) -> anyhow::Result<()> {
+        let guide = human::made(HumanOptions::default().triangles, console)?;
+        let guide = Document::from_character(&guide).context("the guide")?;
+        self.write(&format!("{STORE}/character.glb"), character)?;
+        self.write(&format!("{STORE}/guide.glb"), &guide.write_glb()?)?;
+        self.write(&format!("{STORE}/guide.vtt"), CAPTIONS.as_bytes())
     }
 }
 

@@ -13,6 +13,9 @@ use std::io::Write;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+/// Where it listens if nothing else is said.
+const ADDRESS: ([u8; 4], u16) = ([127, 0, 0, 1], 8080);
+
 /// Arguments of `serve`.
 #[derive(Debug, Args)]
 pub(crate) struct ServeArgs {
@@ -20,7 +23,7 @@ pub(crate) struct ServeArgs {
     #[arg(value_name = "DIR")]
     folder: PathBuf,
     /// Address and port to listen on; port 0 chooses one
-    #[arg(long, value_name = "ADDR", default_value = "127.0.0.1:8080")]
+    #[arg(long, value_name = "ADDR", default_value_t = SocketAddr::from(ADDRESS))]
     addr: SocketAddr,
     /// Write nothing and take nothing: serve what is packaged
     #[arg(long)]
@@ -40,6 +43,22 @@ pub(crate) struct ServeArgs {
     /// Folder of the studio's pages (web/studio/dist), served below /studio/
     #[arg(long, value_name = "DIR")]
     studio: Option<PathBuf>,
+}
+
+impl ServeArgs {
+    /// A folder with all else as by default.
+    pub(crate) fn of_folder(folder: PathBuf) -> Self {
+        Self {
+            folder,
+            addr: SocketAddr::from(ADDRESS),
+            read_only: false,
+            throttle_kbps: None,
+            log: Log::Off,
+            token: None,
+            allow_origin: None,
+            studio: None,
+        }
+    }
 }
 
 /// Form of the lines about requests.

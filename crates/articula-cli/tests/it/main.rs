@@ -46,6 +46,7 @@ mod mesh_levels;
 mod meshopt_oracle;
 mod mp4;
 mod mpeg4;
+mod network;
 mod optimized;
 mod oracle;
 mod playing;

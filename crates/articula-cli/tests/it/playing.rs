@@ -1,6 +1,7 @@
 //! `inspect`, `build`, `lod` and `demo` behave as documented in `docs/commands.md`.
 
 use crate::program::{BVH, articula, fault, folder, human, json, short, small, word};
+use crate::serving::{request, started};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -537,5 +538,11 @@ fn the_demo_tells_the_numbers_that_it_computed() {
     assert!(!page.contains("://"), "the page fetches nothing");
     let images = page.matches("<img ").count();
     assert_eq!(images, page.matches(" alt=\"").count());
+    let (server, address) = started(&here.join("d/store"), &[]);
+    let listed = request(&address, "GET /v1/characters HTTP/1.1\r\n", b"");
+    for name in ["character", "guide"] {
+        assert!(listed.contains(&format!("\"name\":\"{name}\"")), "{listed}");
+    }
+    drop(server);
     assert!(json(&here, &["inspect", "d/asset.glb"])["articulation_stored"] == true);
 }

@@ -34,10 +34,16 @@ pub(crate) fn started(folder: &Path, arguments: &[&str]) -> (Server, String) {
 }
 
 fn started_by(mut program: Command, folder: &Path, arguments: &[&str]) -> (Server, String) {
+    let local = !arguments.contains(&"--addr");
     let mut child = program
         .args(["--json", "serve"])
         .arg(folder)
-        .args(["--addr", "127.0.0.1:0"])
+        .args(
+            local
+                .then_some(["--addr", "127.0.0.1:0"])
+                .into_iter()
+                .flatten(),
+        )
         .args(arguments)
         .stdout(Stdio::piped())
         .spawn()

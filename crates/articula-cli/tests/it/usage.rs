@@ -223,7 +223,6 @@ fn wrong_usage_says_what_would_be_right() {
     let here = folder("wrong");
     let human = word(human());
     let cases: &[(&[&str], &str)] = &[
-        (&["demo", "--serve"], "studio"),
         (&["human", "--triangles", "7", "a.glb"], "2000 to 70000"),
         (&["human", "a.obj"], ".glb"),
         (&["build", human, "a.vrm"], ".glb"),

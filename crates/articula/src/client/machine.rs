@@ -6,10 +6,11 @@ use super::pace::Pace;
 use super::plan::DeliveryPlan;
 use super::planner::{Increment, Planner, flat_form};
 use super::report::CharacterReport;
+use super::transfers::Transfers;
 use crate::error::{Context as _, Error, Result};
 use crate::item::{AdaptOptions, Item, ItemReceiver, decide};
 use crate::open::OpenOptions;
-use articula_stream::decide::{FrameTimeSwitch, ThroughputEstimator, ThroughputOptions};
+use articula_stream::decide::FrameTimeSwitch;
 use articula_stream::description::Context;
 use std::collections::BTreeMap;
 
@@ -17,8 +18,6 @@ use std::collections::BTreeMap;
 pub(super) const PAUSE_SECS: f64 = 0.25;
 /// Faults of the bytes of one character after which it is given up.
 const MOST_FAULTS: u32 = 8;
-/// Shortest transfer that is told apart: a short body comes together with its head, at no rate at all.
-pub(super) const LEAST_TRANSFER_SECS: f64 = 1e-3;
 /// Levels of articulation that slow frames are left with, at least.
 const MOST_ARTICULATION: usize = 6;
 
@@ -48,7 +47,8 @@ impl Default for ClientOptions {
 #[derive(Debug)]
 pub(super) enum Asked {
     Manifest(usize),
-    Increment(Increment),
+    /// Bytes, and when they were asked for.
+    Increment(Increment, f64),
 }
 
 /// A client of a server of characters, over HTTP requests or in a session: a state machine without sockets,
@@ -68,7 +68,7 @@ pub struct Client {
     pub(super) context: Context,
     pub(super) planner: Planner,
     pub(super) characters: Vec<ClientCharacter>,
-    pub(super) throughput: ThroughputEstimator,
+    pub(super) transfers: Transfers,
     pub(super) pace: Pace,
     pub(super) asked: BTreeMap<u64, Asked>,
     /// Manifests that arrived while bytes of the stage before are under way.
@@ -91,6 +91,8 @@ pub(super) struct Session {
     /// Whether something changed since.
     pub(super) is_changed: bool,
     pub(super) last_arrival_secs: f64,
+    /// Whether the server has begun to send, and has not said that this was all.
+    pub(super) is_owed: bool,
     pub(super) decisions: BTreeMap<usize, SessionDecision>,
     /// The manifests for which the server knows what is held.
     pub(super) held: BTreeMap<usize, String>,
@@ -108,7 +110,7 @@ impl Client {
             context: Context::default(),
             planner: Planner::default(),
             characters: Vec::new(),
-            throughput: ThroughputEstimator::new(ThroughputOptions::default()),
+            transfers: Transfers::default(),
             pace: Pace::unbounded(),
             asked: BTreeMap::new(),
             stages: BTreeMap::new(),
@@ -245,7 +247,7 @@ impl Client {
 
     /// Returns the measured bandwidth, bits per second.
     pub fn measured_bps(&self) -> f64 {
-        self.throughput.bits_per_second()
+        self.transfers.bits_per_second()
     }
 
     /// Whether all characters are there as far as the context asks for them.
@@ -255,7 +257,7 @@ impl Client {
 
     /// Bits per second that are reckoned with.
     pub(super) fn bandwidth(&self) -> f64 {
-        let measured = self.throughput.bits_per_second();
+        let measured = self.transfers.bits_per_second();
         self.context
             .network
             .usable_bps()
@@ -368,7 +370,7 @@ impl Client {
         let receiver = self.characters[number].receiver.as_ref();
         let mut held = receiver.map(ItemReceiver::held).unwrap_or_default();
         for asked in self.asked.values() {
-            if let Asked::Increment(of) = asked
+            if let Asked::Increment(of, _) = asked
                 && of.character == number
             {
                 held.add(&of.file, std::iter::once(of.range.clone()));

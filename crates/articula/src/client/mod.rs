@@ -17,7 +17,7 @@
 //! - `pace`: a bound on bytes per second
 //! - `message`: messages of a session, as bytes
 //! - `report`, `character`: what is here of a character, and shown
-//! - `machine`: the client; `requests`, `session`: its two ways to a server
+//! - `machine`: the client; `requests`, `session`: its two ways to a server; `transfers`: the bandwidth that it measures
 //! - `feed`: the server's side of a session
 
 mod character;
@@ -32,6 +32,7 @@ mod planner;
 mod report;
 mod requests;
 mod session;
+mod transfers;
 
 pub use character::ClientCharacter;
 pub use feed::{Feed, FeedChange, FeedNext, FeedPlan};

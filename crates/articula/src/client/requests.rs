@@ -1,6 +1,6 @@
 //! The client over HTTP: it decides by itself, and its caller fetches.
 
-use super::machine::{Asked, Client, LEAST_TRANSFER_SECS, PAUSE_SECS};
+use super::machine::{Asked, Client, PAUSE_SECS};
 use super::planner::Increment;
 use crate::error::Result;
 use articula_stream::decide::Transfer;
@@ -78,7 +78,7 @@ impl Client {
             return Some((self.ask(Asked::Manifest(number)), request));
         }
         let under_way = self.asked.values();
-        let bytes = under_way.filter(|asked| matches!(asked, Asked::Increment(_)));
+        let bytes = under_way.filter(|asked| matches!(asked, Asked::Increment(..)));
         let is_busy = bytes.count() >= self.options.requests.max(1);
         if is_busy || !self.stages.is_empty() || now_secs < self.pace.ready_secs() {
             return None;
@@ -97,7 +97,7 @@ impl Client {
         };
         self.pace
             .spend(increment.range.end - increment.range.start, now_secs);
-        Some((self.ask(Asked::Increment(increment)), request))
+        Some((self.ask(Asked::Increment(increment, now_secs)), request))
     }
 
     /// Takes what came of a request. A number that is unknown, as of a request that was made twice, is left
@@ -127,18 +127,13 @@ impl Client {
                 }
                 Ok(())
             }
-            (Asked::Increment(increment), ClientAnswer::Bytes { bytes, transfer }) => {
-                self.throughput.add(Transfer {
-                    first_byte_secs: transfer
-                        .first_byte_secs
-                        .min(transfer.last_byte_secs - LEAST_TRANSFER_SECS),
-                    ..transfer
-                });
+            (Asked::Increment(increment, asked_secs), ClientAnswer::Bytes { bytes, transfer }) => {
+                self.transfers.answered(transfer, asked_secs);
                 let (number, file) = (increment.character, &increment.file);
                 self.take_bytes(number, file, increment.range.start, &bytes)?;
                 self.take_stages()
             }
-            (Asked::Increment(increment), _) => {
+            (Asked::Increment(increment, _), _) => {
                 // The server may have another item by now: then its manifest says so.
                 self.characters[increment.character].is_whole = false;
                 self.restore(increment.character);
@@ -156,7 +151,7 @@ impl Client {
     fn take_stages(&mut self) -> Result<()> {
         let is_busy = |number: usize| {
             let mut asked = self.asked.values();
-            asked.any(|asked| matches!(asked, Asked::Increment(of) if of.character == number))
+            asked.any(|asked| matches!(asked, Asked::Increment(of, _) if of.character == number))
         };
         let ready: Vec<usize> = self
             .stages

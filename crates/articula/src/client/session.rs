@@ -1,7 +1,7 @@
 //! The client in a session: the server decides, and its caller passes messages on.
 
 use super::character::ClientCharacter;
-use super::machine::{Client, LEAST_TRANSFER_SECS, Session};
+use super::machine::{Client, Session};
 use super::message::{
     ClientMessage, HeldFiles, SESSION_VERSION, ServerMessage, SessionDecision, SessionUpdate,
     ShownReport, WantedCharacter,
@@ -10,8 +10,10 @@ use crate::error::{Context as _, Error, Result};
 use crate::item::{ItemReceiver, decompressed};
 use articula_stream::decide::Transfer;
 
-/// Longest pause within one transfer, seconds.
+/// Longest pause within one transfer whatever the server does, seconds.
 const TRANSFER_PAUSE_SECS: f64 = 0.05;
+/// A server that keeps to a bandwidth pauses as long as it takes at that bandwidth; more than this many times is the network's.
+const PACED: f64 = 2.0;
 /// Time between two updates, seconds.
 const UPDATE_SECS: f64 = 1.0;
 
@@ -104,6 +106,7 @@ impl Client {
             } => {
                 let number = self.known(character)?;
                 self.measure(bytes.len() as u64, now_secs);
+                self.session.is_owed = true;
                 let receiver = self.characters[number].receiver.as_ref();
                 let mut files = receiver.into_iter().flat_map(|r| &r.manifest().files);
                 let unknown = || Error::unsuited("bytes of a file that the item does not have");
@@ -125,7 +128,11 @@ impl Client {
                 self.session.decisions.insert(number, decision);
                 Ok(None)
             }
-            ServerMessage::Complete { .. } | ServerMessage::Statistics(_) => Ok(None),
+            ServerMessage::Complete { .. } => {
+                self.session.is_owed = false;
+                Ok(None)
+            }
+            ServerMessage::Statistics(_) => Ok(None),
             ServerMessage::Error(error) => match error.character {
                 Some(character) => {
                     let number = self.known(character)?;
@@ -180,10 +187,14 @@ impl Client {
     /// Measures the bandwidth by messages that follow each other.
     fn measure(&mut self, bytes: u64, now_secs: f64) {
         let last = std::mem::replace(&mut self.session.last_arrival_secs, now_secs);
-        if now_secs - last <= TRANSFER_PAUSE_SECS {
-            self.throughput.add(Transfer {
+        let usable = self.context.network.usable_bps();
+        let paced_secs = usable.map_or(0.0, |bps| PACED * 8.0 * bytes as f64 / bps);
+        // While the server has more to send, messages come in one piece after each piece of the network.
+        let is_network = self.session.is_owed && now_secs - last > paced_secs;
+        if is_network || now_secs - last <= TRANSFER_PAUSE_SECS {
+            self.transfers.add(Transfer {
                 bytes,
-                first_byte_secs: last.min(now_secs - LEAST_TRANSFER_SECS),
+                first_byte_secs: last,
                 last_byte_secs: now_secs,
             });
         }

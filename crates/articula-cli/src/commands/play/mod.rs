@@ -7,11 +7,12 @@
 //! - `show`: the loop that shows it
 //! - `monitor`: what is shown, in numbers
 //! - `phase`: the same between two movements of the slider
-//! - `output`, `screen`: where pictures go
+//! - `output`, `screen`, `graphics`: where pictures go
 
 mod captions;
 mod event;
 mod fetch;
+mod graphics;
 mod keys;
 mod link;
 mod monitor;

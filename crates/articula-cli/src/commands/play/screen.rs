@@ -1,5 +1,7 @@
-//! Pictures in a terminal: two pixels above each other are one character, a half block in two colours.
+//! Pictures in a terminal: as pixels where it shows them, else two above each other are one character, a half block in two
+//! colours.
 
+use super::graphics::Graphics;
 use anyhow::Context;
 use articula::flat::Picture;
 use std::fmt::Write as _;
@@ -17,6 +19,8 @@ pub(crate) struct Screen {
     rows: u32,
     /// Height of the picture that is shown, pixels; 0 without one.
     shown_rows: u32,
+    /// Nothing for half blocks.
+    graphics: Option<Graphics>,
 }
 
 impl Screen {
@@ -30,13 +34,21 @@ impl Screen {
             columns: u32::from(columns.clamp(10, MOST.0)),
             rows: u32::from(rows.clamp(12, MOST.1)),
             shown_rows: 0,
+            graphics: Graphics::of_environment(|name| std::env::var(name).ok()),
         })
     }
 
     /// Width and height of a picture that fills it, in pixels, with a monitor below it or one line.
     pub(crate) fn size(&self, has_monitor: bool) -> (u32, u32) {
-        let text = if has_monitor { MONITOR_ROWS } else { 1 };
-        (self.columns, 2 * (self.rows - text))
+        let rows = self.picture_rows(has_monitor);
+        match &self.graphics {
+            Some(graphics) => graphics.size(self.columns, rows),
+            None => (self.columns, 2 * rows),
+        }
+    }
+
+    fn picture_rows(&self, has_monitor: bool) -> u32 {
+        self.rows - if has_monitor { MONITOR_ROWS } else { 1 }
     }
 
     /// Draws a picture over the one before, and lines of text below it.
@@ -47,7 +59,15 @@ impl Screen {
             self.shown_rows = picture.height();
         }
         text.push_str("\x1b[H");
-        text.push_str(&blocks(picture));
+        match &self.graphics {
+            Some(graphics) => {
+                let rows = self.picture_rows(below.len() > 1);
+                text.push_str(&graphics.shown(picture, self.columns, rows)?);
+                // Writing to a string cannot fail.
+                let _ = write!(text, "\x1b[{};1H", rows + 1);
+            }
+            None => text.push_str(&blocks(picture)),
+        }
         for (number, line) in below.iter().enumerate() {
             if number > 0 {
                 text.push_str("\r\n");

@@ -20,8 +20,8 @@ pub(super) enum Making {
     Flags(&'static [&'static str]),
     /// On one core with another program of the same priority.
     Shared,
-    /// The program built without optimisation.
-    Unoptimised,
+    /// The program of the development profile.
+    Development,
     /// The program for AArch64 under emulation.
     Emulated,
 }
@@ -41,7 +41,7 @@ pub(super) const DEVICES: [Device; 8] = [
     device("scalar", Making::Flags(&["--backend", "scalar"])),
     device("two threads", Making::Flags(&["--threads", "2"])),
     device("shared core", Making::Shared),
-    device("not optimised", Making::Unoptimised),
+    device("development build", Making::Development),
     device("emulated AArch64", Making::Emulated),
 ];
 
@@ -154,7 +154,7 @@ impl Programs {
                 SHARED.into(),
                 built("release")?,
             ],
-            Making::Unoptimised => vec![built("debug")?],
+            Making::Development => vec![built("debug")?],
             Making::Emulated => {
                 let program = built("aarch64-unknown-linux-gnu/release")?;
                 let runs = |name: &&str| Command::new(name).arg("--version").output().is_ok();

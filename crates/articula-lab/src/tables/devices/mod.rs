@@ -22,6 +22,14 @@ pub(crate) struct Builds {
     builds: Option<PathBuf>,
 }
 
+impl Builds {
+    /// The folder.
+    pub(crate) fn folder(&self) -> PathBuf {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        self.builds.clone().unwrap_or_else(|| root.join("target"))
+    }
+}
+
 /// An application with the grades of the reference human that are its tests.
 const TESTS: [(&str, [usize; 3]); 3] = [
     ("body", [4, 7, 10]),
@@ -68,9 +76,7 @@ struct Measured {
 
 /// Runs the table and writes it. A device that cannot be made is named with the reason.
 pub(crate) fn write(run: &Run, builds: &Builds) -> Result<()> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = builds.builds.clone();
-    let programs = Programs(folder.unwrap_or_else(|| root.join("target")));
+    let programs = Programs(builds.folder());
     let (mut measured, mut missing) = (Vec::new(), Vec::new());
     for device in DEVICES {
         if run.small && !matches!(device.making, Making::Flags(_)) {

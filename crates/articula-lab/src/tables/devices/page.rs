@@ -19,8 +19,8 @@ cargo build --release -p articula-cli --target aarch64-unknown-linux-gnu
 
 The measurement of the thesis' table 6.5 and figure 6.8: frame rates of tests and of applications on unlike devices, and how well the
 tests predict an application. Here all devices are made of one machine: the instruction set by which crowds are posed, two
-threads for crowds, a core that is shared with another busy program of the same priority, the program without
-optimisation, and the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
+threads for crowds, a core that is shared with another busy program of the same priority, the program of the
+development profile, and the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
 another. The thesis has six machines; a quota of processor time needs rights that a container does not have, and WebAssembly a page of its own, so
 neither is among them.
 

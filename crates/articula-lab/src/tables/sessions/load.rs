@@ -1,6 +1,6 @@
 //! Clients of sessions: they read messages and decode nothing.
 
-use super::served::Served;
+use crate::tables::served::Served;
 use anyhow::{Context, Result};
 use articula::client::{
     ClientMessage, HeldFiles, SESSION_VERSION, ServerMessage, SessionUpdate, WantedCharacter,
@@ -22,8 +22,11 @@ const WARM_SHARE: f64 = 0.25;
 const WARM_SECS: f64 = 5.0;
 /// Most bytes of a manifest.
 const MOST_MANIFEST_BYTES: u64 = 1 << 24;
-/// Bandwidth by which the mean size of a range is found, bits per second.
-const FIRST_BPS: f64 = 4e6;
+/// Bandwidth with which a session alone begins, how often it is changed to one that gives the rate of ranges, and the
+/// time of each.
+const FIRST_BPS: f64 = 4e5;
+const CALIBRATIONS: usize = 4;
+const CALIBRATION: Duration = Duration::from_secs(3);
 
 /// What a load gave.
 pub(super) struct Load {
@@ -54,12 +57,15 @@ impl Load {
         let runtime = { runtime }.worker_threads(threads).enable_all().build()?;
         let at = served.at;
         runtime.block_on(async {
-            let first = Arc::new(Tally::default());
-            let run = session(at, FIRST_BPS, Duration::ZERO, &first);
-            let _ = tokio::time::timeout(Duration::from_secs(3), run).await;
-            let ranges = first.units.load(Ordering::Relaxed).max(1) as f64;
-            let mean = first.bytes.load(Ordering::Relaxed) as f64 / ranges;
-            let bps = 8.0 * mean * units;
+            // The size of ranges, and the time between two rounds, depend on the bandwidth.
+            let mut bps = FIRST_BPS;
+            for _ in 0..CALIBRATIONS {
+                let alone = Arc::new(Tally::default());
+                let run = session(at, bps, Duration::ZERO, &alone);
+                let _ = tokio::time::timeout(CALIBRATION, run).await;
+                let ranges = alone.units.load(Ordering::Relaxed).max(1) as f64;
+                bps *= units * CALIBRATION.as_secs_f64() / ranges;
+            }
             Ok(Self::loaded(at, (sessions, bps), secs).await)
         })
     }

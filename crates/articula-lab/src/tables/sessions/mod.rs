@@ -2,19 +2,18 @@
 //!
 //! Server and clients run in one process on all processors, over the loopback address, so each costs the other.
 //!
-//! - `served`: a server of one character
 //! - `load`: clients of sessions
 //! - `objects`: requests for objects, ours and of nginx
 
 mod load;
 mod objects;
-mod served;
 
 use super::Run;
+use super::served::Served;
 use anyhow::{Context, Result};
 use clap::Args;
 use load::Load;
-use served::Served;
+
 use std::path::Path;
 
 /// The character that is served.
@@ -76,5 +75,5 @@ fn choice_line(choice: &Choice, name: &str) -> String {
 const INTRODUCTION: &str = "# Sessions and objects under load\n\n\
 Made by `articula-lab sessions`. Server and clients run in one process and share its processors, over the \
 loopback address. A session has the figure, the mesh and the textures, asks for the motions at a rate of ranges by its bandwidth, \
-forgets them when all have come, and moves nearer or farther once a second; the latency is the time from that message to the decision \
+which gives that rate to a session alone, forgets them when all have come, and moves nearer or farther once a second; the latency is the time from that message to the decision \
 about it. Clients read messages and decode nothing.\n\n";

@@ -1,6 +1,6 @@
 //! Requests for one object over connections that are kept open: our server, and nginx on the same file.
 
-use super::served::Served;
+use crate::tables::served::Served;
 use anyhow::{Context, Result};
 use std::fmt::Write as _;
 use std::net::{SocketAddr, TcpListener, TcpStream};
