@@ -19,17 +19,20 @@ use std::ops::RangeInclusive;
 const LOD: RangeInclusive<u32> = 0..=2;
 /// Longer sides of textures in pixels.
 const TEXTURE_PX: RangeInclusive<u32> = 256..=1024;
+/// Names of a level of detail with a size of textures, the finest first.
+const QUALITIES: [&str; 3] = ["high", "medium", "low"];
 /// Nothing of a kind.
 const NONE: &str = "none";
 /// The morph targets that have names of ARKit.
 const ARKIT: &str = "ARKit";
 /// The parameters of a query.
-const PARAMETERS: [&str; 6] = [
+const PARAMETERS: [&str; 7] = [
     "clip",
     "loa",
     "lod",
     "mesh",
     "morphTargets",
+    "quality",
     "textureSizeLimit",
 ];
 
@@ -82,6 +85,10 @@ impl WantedGlb {
             return Err(Refusal(what.to_owned()));
         }
         let mesh = query.number("mesh", 0..=coarsest(of, "level"))?;
+        let quality = query.word("quality", &QUALITIES)?;
+        let quality =
+            quality.and_then(|name| (0..).zip(QUALITIES).find(|(_, known)| *known == name));
+        let quality = quality.map(|(lod, _)| lod);
         let morphs = query.words("morphTargets")?;
         let is_mixed = |words: &BTreeSet<String>| words.contains(NONE) && words.len() > 1;
         if morphs.as_ref().is_some_and(is_mixed) {
@@ -89,6 +96,8 @@ impl WantedGlb {
             return Err(Refusal(what.to_owned()));
         }
         let texture_px = query.number("textureSizeLimit", TEXTURE_PX)?;
+        // What is asked for by itself counts.
+        let lod = lod.or(quality);
         let is_still = clip.as_deref() == Some(NONE);
         Ok(Self {
             cut: Wanted {
@@ -96,7 +105,7 @@ impl WantedGlb {
                 loa,
                 tier: None,
                 mesh: mesh.or_else(|| Some(mesh_level(of, lod?))),
-                texture_px,
+                texture_px: texture_px.or_else(|| Some(TEXTURE_PX.end() >> quality?)),
             },
             is_still,
             morphs,

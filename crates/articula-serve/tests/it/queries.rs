@@ -164,6 +164,20 @@ fn levels_and_motions(made: &mut Files<'_>, manifest: &Manifest, whole: &Charact
     let has = |glb: &[u8]| glb.windows(picture.len()).any(|bytes| bytes == picture);
     let glb = |which: usize| made.1.iter().nth_back(which).unwrap();
     assert!(has(glb(0)) && !has(glb(1)));
+    // A quality is what it stands for, unless that is asked for too.
+    for [one, other] in [
+        ["quality=low", "lod=2&textureSizeLimit=256"],
+        ["mesh=0&quality=medium", "mesh=0&textureSizeLimit=512"],
+        [
+            "lod=0&quality=low&textureSizeLimit=512",
+            "lod=0&textureSizeLimit=512",
+        ],
+    ] {
+        made.get(&format!("man.glb?{one}"));
+        made.get(&format!("man.glb?{other}"));
+        let [other, one] = [0, 1].map(|which| made.1.iter().nth_back(which).unwrap());
+        assert!(one == other);
+    }
 }
 
 fn morph_targets(made: &mut Files<'_>) {
@@ -234,11 +248,12 @@ fn wrong(server: &Server, coarsest: u32) {
     for (query, told) in [
         (
             "size=3",
-            "clip, loa, lod, mesh, morphTargets, textureSizeLimit",
+            "clip, loa, lod, mesh, morphTargets, quality, textureSizeLimit",
         ),
         ("lod=1&lod=1", "lod: given twice"),
         ("lod=3", "lod: found 3, expected a whole number from 0 to 2"),
         ("textureSizeLimit=128", "from 256 to 1024"),
+        ("quality=best", "high, medium, low"),
         ("loa=6", "loa: found 6, expected a whole number from 0 to 5"),
         ("mesh=9", &mesh),
         ("lod=1&mesh=1", "leave one of them out"),

@@ -36,6 +36,7 @@ extern "C" {
 struct Benchmark {
     application: Application,
     seconds: f64,
+    grades: Vec<usize>,
 }
 
 impl Default for Benchmark {
@@ -43,6 +44,7 @@ impl Default for Benchmark {
         Self {
             application: Application::Body,
             seconds: BenchmarkOptions::default().most_secs,
+            grades: Vec::new(),
         }
     }
 }
@@ -71,7 +73,8 @@ impl Publisher {
     /// Plays graded content of a figure until it is certain which grade this device holds at 25 and 60 frames per
     /// second, and returns JSON: the result as `articula bench device --json` tells it, `full_fps`, and `reference`, the
     /// rates of the reference machine. Scores of the reference human alone can be compared. `options` is JSON:
-    /// `{application?: string, seconds?: number}`: "body", "face" or "crowd", and the most seconds of frames.
+    /// `{application?: string, seconds?: number, grades?: number[]}`: "body", "face" or "crowd", the most seconds of
+    /// frames, and the grades to play, 0 the finest to 11, in place of those around the two rates.
     pub fn benchmark(
         bytes: &[u8],
         name: &str,
@@ -81,9 +84,15 @@ impl Publisher {
         let Benchmark {
             application,
             seconds,
+            grades,
         } = read(options.as_deref())?;
         if !SECONDS.contains(&seconds) {
             let what = format!("seconds: {seconds} found, expected 0.1 to 600");
+            return Err(Fault::argument(what).into());
+        }
+        let count = Grade::all(application).len();
+        if let Some(grade) = grades.iter().find(|grade| **grade >= count) {
+            let what = format!("grades: {grade} found, expected 0 to {}", count - 1);
             return Err(Fault::argument(what).into());
         }
         run(progress, name, |work| {
@@ -94,6 +103,7 @@ impl Publisher {
             let mut content = BenchmarkContent::new(application, figure, Backend::best(), work)?;
             let options = BenchmarkOptions {
                 most_secs: seconds,
+                grades,
                 ..BenchmarkOptions::default()
             };
             let mut run = BenchmarkRun::new(application, &first_guess(), &options);

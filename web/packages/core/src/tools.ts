@@ -70,6 +70,8 @@ export interface BenchmarkOptions extends TaskOptions {
   readonly application?: 'body' | 'face' | 'crowd' | undefined;
   /** Most seconds of frames; 10 if left out. */
   readonly seconds?: number | undefined;
+  /** Grades to play, 0 the finest to 11; those around 25 and 60 frames a second if left out. */
+  readonly grades?: readonly number[] | undefined;
 }
 
 /** Options of {@link Tools.evaluate}. */

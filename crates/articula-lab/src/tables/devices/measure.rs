@@ -24,6 +24,8 @@ pub(super) enum Making {
     Development,
     /// The program for AArch64 under emulation.
     Emulated,
+    /// The module for web pages, in node.
+    Node,
 }
 
 /// A device made of this machine.
@@ -34,7 +36,7 @@ pub(super) struct Device {
 }
 
 /// The devices. Instruction sets matter to crowds alone.
-pub(super) const DEVICES: [Device; 8] = [
+pub(super) const DEVICES: [Device; 9] = [
     device("AVX-512", Making::Flags(&["--backend", "avx512"])),
     device("AVX2", Making::Flags(&["--backend", "avx2"])),
     device("SSE2", Making::Flags(&["--backend", "sse2"])),
@@ -43,6 +45,7 @@ pub(super) const DEVICES: [Device; 8] = [
     device("shared core", Making::Shared),
     device("development build", Making::Development),
     device("emulated AArch64", Making::Emulated),
+    device("WebAssembly in node", Making::Node),
 ];
 
 const fn device(name: &'static str, making: Making) -> Device {
@@ -56,10 +59,12 @@ pub(super) struct Rate {
     pub(super) runs: usize,
 }
 
-/// What is read of a report.
+/// What is read of a report, and of the result of the module.
 #[derive(Deserialize)]
-struct Report {
-    results: Vec<Played>,
+#[serde(untagged)]
+enum Report {
+    Device { results: Vec<Played> },
+    Application(Played),
 }
 
 #[derive(Deserialize)]
@@ -105,13 +110,22 @@ impl Programs {
             _ => None,
         };
         let list: Vec<String> = grades.iter().map(usize::to_string).collect();
-        words.extend(["--json", "bench", "device"].map(str::to_owned));
-        words.extend(["--application", application, "--seconds", SECONDS].map(str::to_owned));
-        words.extend(["--grades".to_owned(), list.join(",")]);
-        if let Making::Flags(flags) = device.making {
-            words.extend(flags.iter().map(|flag| (*flag).to_owned()));
+        let list = list.join(",");
+        if device.making == Making::Node {
+            let file = match character {
+                Some(path) => path.display().to_string(),
+                None => self.human()?,
+            };
+            words.extend([file, application.to_owned(), list, SECONDS.to_owned()]);
+        } else {
+            words.extend(["--json", "bench", "device"].map(str::to_owned));
+            words.extend(["--application", application, "--seconds", SECONDS].map(str::to_owned));
+            words.extend(["--grades".to_owned(), list]);
+            if let Making::Flags(flags) = device.making {
+                words.extend(flags.iter().map(|flag| (*flag).to_owned()));
+            }
+            words.extend(character.map(|path| path.display().to_string()));
         }
-        words.extend(character.map(|path| path.display().to_string()));
         let output = Command::new(&words[0]).args(&words[1..]).output();
         let output = output.with_context(|| words[0].clone())?;
         drop(neighbour);
@@ -123,7 +137,10 @@ impl Programs {
             );
         }
         let report: Report = serde_json::from_slice(&output.stdout)?;
-        let played = report.results.first().context("no result")?;
+        let played = match report {
+            Report::Device { results } => results.into_iter().next().context("no result")?,
+            Report::Application(played) => played,
+        };
         let rate = |grade: &usize| {
             let mut found = played.grades.iter();
             let found = found.find(|rate| rate.grade == *grade);
@@ -163,7 +180,32 @@ impl Programs {
                 let libraries = libraries().context("no C library of AArch64")?;
                 vec![emulator.into(), "-L".into(), libraries, program]
             }
+            Making::Node => {
+                let web = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web");
+                let modules = web.join("packages/core/wasm");
+                if !modules.join("publish.js").is_file() {
+                    bail!("{}: not built", modules.display());
+                }
+                let paths = [web.join("bench/device.mjs"), modules];
+                let paths = paths.map(|path| path.display().to_string());
+                [&["node".to_owned()], &paths[..]].concat()
+            }
         })
+    }
+
+    /// A file of the reference human, which the module is given.
+    fn human(&self) -> Result<String> {
+        let words = self.words(Making::Flags(&[]))?;
+        let path = std::env::temp_dir().join("articula-reference-human.glb");
+        let path = path.display().to_string();
+        let output = Command::new(&words[0])
+            .args(["--force", "human", &path])
+            .output();
+        let output = output.with_context(|| words[0].clone())?;
+        match output.status.success() {
+            true => Ok(path),
+            false => bail!("human: {}", String::from_utf8_lossy(&output.stderr)),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Devices made of one machine: frame rates of tests and applications, and which tests predict an
 //! application (the thesis' 3.2.2 and 6.1.3).
 //!
-//! Source: table 6.5 and figure 6.8 of the thesis; `docs/methods/adaptation.md` part 7. One module
+//! Source: table 6.5 and figure 6.8 of the thesis; `docs/methods/adaptation.md` part 8. One module
 //! measures, one predicts, one writes the page.
 
 mod measure;

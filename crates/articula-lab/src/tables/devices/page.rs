@@ -15,16 +15,16 @@ Made by `cargo run --release -p articula-lab -- devices`, after these builds, ea
 cargo build --release -p articula-cli
 cargo build -p articula-cli
 cargo build --release -p articula-cli --target aarch64-unknown-linux-gnu
+cargo xtask web
 ```
 
 The measurement of the thesis' table 6.5 and figure 6.8: frame rates of tests and of applications on unlike devices, and how well the
 tests predict an application. Here all devices are made of one machine: the instruction set by which crowds are posed, two
 threads for crowds, a core that is shared with another busy program of the same priority, the program of the
-development profile, and the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
-another. The thesis has six machines; a quota of processor time needs rights that a container does not have, and WebAssembly a page of its own, so
-neither is among them.
+development profile, the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
+another, and the module for web pages in node. The thesis has six machines; a quota of processor time needs rights that a container does not have.
 
-*Tests* are grades of the reference human ([method](../methods/adaptation.md#7-a-device-that-is-benchmarked)), *applications*
+*Tests* are grades of the reference human ([method](../methods/adaptation.md#8-a-device-that-is-benchmarked)), *applications*
 play other characters. Frames per second, each the median of 6 to 15 runs of `articula bench device --grades`.
 ";
 
