@@ -22,12 +22,6 @@ const WARM_SHARE: f64 = 0.25;
 const WARM_SECS: f64 = 5.0;
 /// Most bytes of a manifest.
 const MOST_MANIFEST_BYTES: u64 = 1 << 24;
-/// Bandwidth with which a session alone begins, how often it is changed to one that gives the rate of ranges, and the
-/// time of each.
-const FIRST_BPS: f64 = 4e5;
-const CALIBRATIONS: usize = 4;
-const CALIBRATION: Duration = Duration::from_secs(3);
-
 /// What a load gave.
 pub(super) struct Load {
     sessions: usize,
@@ -50,24 +44,12 @@ struct Tally {
 }
 
 impl Load {
-    /// Runs sessions at a rate of ranges.
-    pub(super) fn run(served: &Served, sessions: usize, units: f64, secs: f64) -> Result<Self> {
+    /// Runs sessions at a bandwidth each.
+    pub(super) fn run(served: &Served, sessions: usize, bps: f64, secs: f64) -> Result<Self> {
         let threads = std::thread::available_parallelism().map_or(1, usize::from);
         let runtime = tokio::runtime::Builder::new_multi_thread();
         let runtime = { runtime }.worker_threads(threads).enable_all().build()?;
-        let at = served.at;
-        runtime.block_on(async {
-            // The size of ranges, and the time between two rounds, depend on the bandwidth.
-            let mut bps = FIRST_BPS;
-            for _ in 0..CALIBRATIONS {
-                let alone = Arc::new(Tally::default());
-                let run = session(at, bps, Duration::ZERO, &alone);
-                let _ = tokio::time::timeout(CALIBRATION, run).await;
-                let ranges = alone.units.load(Ordering::Relaxed).max(1) as f64;
-                bps *= units * CALIBRATION.as_secs_f64() / ranges;
-            }
-            Ok(Self::loaded(at, (sessions, bps), secs).await)
-        })
+        Ok(runtime.block_on(Self::loaded(served.at, (sessions, bps), secs)))
     }
 
     async fn loaded(at: SocketAddr, (sessions, bps): (usize, f64), secs: f64) -> Self {

@@ -27,9 +27,9 @@ pub(crate) struct Choice {
     /// Sessions at once
     #[arg(long, default_value_t = 1000)]
     sessions: usize,
-    /// Ranges of files a second for each session
-    #[arg(long, default_value_t = 25.0)]
-    units: f64,
+    /// Bandwidth of each session, kbit/s
+    #[arg(long, default_value_t = 26.0)]
+    kbps: f64,
     /// Seconds of load
     #[arg(long, default_value_t = 60.0)]
     secs: f64,
@@ -40,7 +40,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     let choice = match run.small {
         true => Choice {
             sessions: 20,
-            units: 25.0,
+            kbps: 26.0,
             secs: 2.0,
         },
         false => choice.clone(),
@@ -51,7 +51,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     let source = run.data.join(name);
     std::fs::copy(&source, &file).with_context(|| source.display().to_string())?;
     let served = Served::start(folder.path())?;
-    let load = Load::run(&served, choice.sessions, choice.units, choice.secs)?;
+    let load = Load::run(&served, choice.sessions, 1e3 * choice.kbps, choice.secs)?;
     let objects = objects::compare(&served, folder.path(), if run.small { 200 } else { 20_000 })?;
     let mut page = String::new();
     page.push_str(INTRODUCTION);
@@ -67,13 +67,12 @@ fn choice_line(choice: &Choice, name: &str) -> String {
         .unwrap_or_default()
         .to_string_lossy();
     format!(
-        "{} sessions of {name} at {} ranges a second for {} s",
-        choice.sessions, choice.units, choice.secs
+        "{} sessions of {name} at {} kbit/s each for {} s",
+        choice.sessions, choice.kbps, choice.secs
     )
 }
 
 const INTRODUCTION: &str = "# Sessions and objects under load\n\n\
 Made by `articula-lab sessions`. Server and clients run in one process and share its processors, over the \
-loopback address. A session has the figure, the mesh and the textures, asks for the motions at a rate of ranges by its bandwidth, \
-which gives that rate to a session alone, forgets them when all have come, and moves nearer or farther once a second; the latency is the time from that message to the decision \
+loopback address. A session has the figure, the mesh and the textures, asks for the motions at its bandwidth, forgets them when all have come, and moves nearer or farther once a second; the latency is the time from that message to the decision \
 about it. Clients read messages and decode nothing.\n\n";
