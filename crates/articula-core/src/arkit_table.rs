@@ -79,6 +79,51 @@ const fn shape(name: &'static str, faps: &'static [(u8, i32)]) -> BlendShape {
     BlendShape { name, faps }
 }
 
+/// Pairs of shapes that undo each other, at least in part, by their names in ARKit. A face does not show
+/// both at once. `mouthClose` is not the opposite of `jawOpen`: it closes the lips over an open jaw.
+pub static OPPOSITES: [[&str; 2]; 30] = [
+    ["eyeBlinkLeft", "eyeWideLeft"],
+    ["eyeBlinkRight", "eyeWideRight"],
+    ["eyeLookInLeft", "eyeLookOutLeft"],
+    ["eyeLookInRight", "eyeLookOutRight"],
+    ["eyeLookDownLeft", "eyeLookUpLeft"],
+    ["eyeLookDownRight", "eyeLookUpRight"],
+    ["jawLeft", "jawRight"],
+    ["mouthLeft", "mouthRight"],
+    ["mouthSmileLeft", "mouthFrownLeft"],
+    ["mouthSmileRight", "mouthFrownRight"],
+    ["mouthPucker", "mouthDimpleLeft"],
+    ["mouthPucker", "mouthDimpleRight"],
+    ["mouthPucker", "mouthStretchLeft"],
+    ["mouthPucker", "mouthStretchRight"],
+    ["mouthFunnel", "mouthDimpleLeft"],
+    ["mouthFunnel", "mouthDimpleRight"],
+    ["mouthFunnel", "mouthRollLower"],
+    ["mouthFunnel", "mouthRollUpper"],
+    ["mouthShrugLower", "mouthRollLower"],
+    ["mouthShrugUpper", "mouthRollUpper"],
+    ["mouthLowerDownLeft", "mouthClose"],
+    ["mouthLowerDownRight", "mouthClose"],
+    ["mouthLowerDownLeft", "mouthShrugLower"],
+    ["mouthLowerDownRight", "mouthShrugLower"],
+    ["mouthLowerDownLeft", "mouthPressLeft"],
+    ["mouthLowerDownRight", "mouthPressRight"],
+    ["mouthUpperUpLeft", "mouthPressLeft"],
+    ["mouthUpperUpRight", "mouthPressRight"],
+    ["mouthUpperUpLeft", "mouthRollUpper"],
+    ["mouthUpperUpRight", "mouthRollUpper"],
+];
+
+/// Returns whether two shapes, by their indices, undo each other ([`OPPOSITES`]).
+pub fn are_opposite(a: usize, b: usize) -> bool {
+    let name = |index: usize| BLEND_SHAPES.get(index).map(|s| s.name);
+    let [a, b] = [name(a), name(b)];
+    OPPOSITES
+        .iter()
+        .map(|pair| pair.map(Some))
+        .any(|pair| pair == [a, b] || pair == [b, a])
+}
+
 /// Returns the FAP (51 to 60) of the outer lip beside the one of the inner lip (4 to 13).
 pub fn outer_lip(inner: usize) -> Option<usize> {
     (4..=13).contains(&inner).then_some(inner + 47)
@@ -109,6 +154,27 @@ mod tests {
             [51, 60, 4, 61].map(twin_lip),
             [Some(4), Some(13), Some(51), None]
         );
+    }
+
+    #[test]
+    fn opposites_share_a_parameter_with_opposite_signs() {
+        let shape = |name| BLEND_SHAPES.iter().find(|s| s.name == name).unwrap();
+        let undoes = |(fap, value): &(u8, i32), other: &BlendShape| {
+            let mut others = other.faps.iter();
+            others.any(|(f, v)| f == fap && v.signum() == -value.signum())
+        };
+        for [a, b] in OPPOSITES {
+            let mut faps = shape(a).faps.iter();
+            assert!(faps.any(|fap| undoes(fap, shape(b))), "{a} {b}");
+        }
+        let index = |name| BLEND_SHAPES.iter().position(|s| s.name == name).unwrap();
+        assert!(are_opposite(index("jawRight"), index("jawLeft")));
+        assert!(!are_opposite(index("jawOpen"), index("mouthClose")));
+        assert!(!are_opposite(
+            index("mouthSmileLeft"),
+            index("mouthFrownRight")
+        ));
+        assert!(!are_opposite(52, 52));
     }
 
     /// The FAP of the other side; for one in the middle, itself.

@@ -1,8 +1,8 @@
 //! Between weights of a face's controls and FAP values.
 
-use super::bounded::BoundedSolver;
 use super::fap_values::FapValues;
 use super::intervals::FapInterval;
+use super::opposed::OpposedSolver;
 use articula_core::arkit_table::twin_lip;
 use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE, unit_mm};
 
@@ -21,10 +21,17 @@ pub struct FaceBridge {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Relation {
-    /// One column of values for each control, at weight 1.
-    Columns(Vec<FapValues>),
+    Columns(Columns),
     /// Each control is a part of a face animation table.
     Table(Vec<FapInterval>),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Columns {
+    /// The values of each control at weight 1.
+    of_control: Vec<FapValues>,
+    /// Pairs of controls that undo each other.
+    opposites: Vec<[usize; 2]>,
 }
 
 /// Solver of the weights of one frame after the other.
@@ -33,7 +40,7 @@ pub struct FaceSolver(Solver);
 
 #[derive(Debug, Clone)]
 enum Solver {
-    Columns(ColumnSolver),
+    Columns(Box<ColumnSolver>),
     Table(TableSolver),
 }
 
@@ -42,7 +49,7 @@ struct ColumnSolver {
     /// Columns in millimetres; 0 for FAPs that do not count.
     scaled: Vec<[f64; LOW_FAP_COUNT]>,
     counts: [bool; LOW_FAP_COUNT],
-    solver: BoundedSolver,
+    solver: OpposedSolver,
     b: Vec<f64>,
 }
 
@@ -68,8 +75,34 @@ pub struct ShownFace {
 impl FaceBridge {
     /// Creates a bridge from the values of each control at weight 1.
     pub fn new(columns: Vec<FapValues>) -> Self {
-        let relation = Relation::Columns(columns);
+        let relation = Relation::Columns(Columns {
+            of_control: columns,
+            opposites: Vec::new(),
+        });
         Self { relation }
+    }
+
+    /// Of these pairs of controls, by their indices, no two have a weight in one frame
+    /// ([`FaceBridge::solver`]). A bridge to a table has no such pairs.
+    ///
+    /// # Panics
+    /// If there is no such control.
+    #[must_use]
+    pub fn with_opposites(mut self, pairs: Vec<[usize; 2]>) -> Self {
+        let controls = self.controls();
+        assert!(pairs.iter().flatten().all(|c| *c < controls), "a control");
+        if let Relation::Columns(columns) = &mut self.relation {
+            columns.opposites = pairs;
+        }
+        self
+    }
+
+    /// Returns the pairs of controls that undo each other.
+    pub fn opposites(&self) -> &[[usize; 2]] {
+        match &self.relation {
+            Relation::Columns(columns) => &columns.opposites,
+            Relation::Table(_) => &[],
+        }
     }
 
     /// Creates a bridge to the parts of a face animation table.
@@ -81,7 +114,7 @@ impl FaceBridge {
     /// Returns the number of controls.
     pub fn controls(&self) -> usize {
         match &self.relation {
-            Relation::Columns(columns) => columns.len(),
+            Relation::Columns(columns) => columns.of_control.len(),
             Relation::Table(intervals) => intervals.len(),
         }
     }
@@ -89,7 +122,7 @@ impl FaceBridge {
     /// Returns whether a control moves a FAP, by its number.
     pub fn moves(&self, fap: usize) -> bool {
         match &self.relation {
-            Relation::Columns(columns) => columns.iter().any(|c| c.get(fap) != 0.0),
+            Relation::Columns(columns) => columns.of_control.iter().any(|c| c.get(fap) != 0.0),
             Relation::Table(intervals) => intervals.iter().any(|i| i.fap == fap),
         }
     }
@@ -107,7 +140,7 @@ impl FaceBridge {
         let mut sum = FapValues::default();
         match &self.relation {
             Relation::Columns(columns) => {
-                for (column, weight) in columns.iter().zip(weights) {
+                for (column, weight) in columns.of_control.iter().zip(weights) {
                     sum = sum.plus(column, *weight);
                 }
             }
@@ -130,16 +163,18 @@ impl FaceBridge {
     /// as those of the outer lips in a stream without them, are left out.
     pub fn solver(&self, counts: [bool; LOW_FAP_COUNT]) -> FaceSolver {
         FaceSolver(match &self.relation {
-            Relation::Columns(columns) => Solver::Columns(ColumnSolver::new(columns, counts)),
+            Relation::Columns(columns) => {
+                Solver::Columns(Box::new(ColumnSolver::new(columns, counts)))
+            }
             Relation::Table(intervals) => Solver::Table(TableSolver::new(intervals, counts)),
         })
     }
 }
 
 impl ColumnSolver {
-    fn new(columns: &[FapValues], counts: [bool; LOW_FAP_COUNT]) -> Self {
-        let scaled: Vec<[f64; LOW_FAP_COUNT]> =
-            columns.iter().map(|c| millimetres(c, &counts)).collect();
+    fn new(columns: &Columns, counts: [bool; LOW_FAP_COUNT]) -> Self {
+        let all = columns.of_control.iter();
+        let scaled: Vec<[f64; LOW_FAP_COUNT]> = all.map(|c| millimetres(c, &counts)).collect();
         let n = scaled.len();
         let mut gram = vec![0.0; n * n];
         for (i, a) in scaled.iter().enumerate() {
@@ -151,7 +186,7 @@ impl ColumnSolver {
         Self {
             scaled,
             counts,
-            solver: BoundedSolver::new(gram, n),
+            solver: OpposedSolver::new(gram, n, columns.opposites.clone()),
             b: vec![0.0; n],
         }
     }
@@ -229,43 +264,56 @@ impl FaceSolver {
 
 #[cfg(test)]
 mod tests {
-    use super::super::controls::{blend_shape, vrm_preset};
+    use super::super::controls::{blend_shape, opposite_controls, vrm_preset};
+    use super::super::high_level::VISEMES;
     use super::*;
     use crate::split_mix::SplitMix;
-    use articula_core::arkit_table::BLEND_SHAPES;
+    use articula_core::arkit_table::{BLEND_SHAPES, OPPOSITES, are_opposite};
+    use articula_core::face_control::ShapeSet;
+    use proptest::prelude::*;
 
     const ALL: [bool; LOW_FAP_COUNT] = [true; LOW_FAP_COUNT];
 
+    /// The generic columns, with no opposites.
+    fn free() -> FaceBridge {
+        let all = BLEND_SHAPES.iter();
+        FaceBridge::new(all.map(|s| blend_shape(s.name).unwrap()).collect())
+    }
+
     fn arkit() -> FaceBridge {
-        FaceBridge::new(
-            BLEND_SHAPES
-                .iter()
-                .map(|s| blend_shape(s.name).unwrap())
-                .collect(),
-        )
+        let shapes: Vec<_> = (0..BLEND_SHAPES.len())
+            .map(|shape| Some(ShapeSet::of([shape])))
+            .collect();
+        free().with_opposites(opposite_controls(&shapes))
+    }
+
+    fn index(name: &str) -> usize {
+        BLEND_SHAPES.iter().position(|s| s.name == name).unwrap()
+    }
+
+    /// Root of the mean squared difference of a parameter, in millimetres.
+    fn rms_mm(shown: &ShownFace) -> f32 {
+        let squares = shown.error_mm.iter().map(|e| e * e);
+        (squares.sum::<f32>() / LOW_FAP_COUNT as f32).sqrt()
+    }
+
+    /// The most that any two opposites have at once.
+    fn most_at_once(shown: &ShownFace) -> f32 {
+        let both = |[a, b]: &[&str; 2]| shown.weights[index(a)].min(shown.weights[index(b)]);
+        OPPOSITES.iter().map(both).fold(0.0, f32::max)
     }
 
     fn rounded(values: FapValues) -> FapValues {
         FapValues(values.0.map(f32::round))
     }
 
-    /// Index of the shape that undoes another, such as the look to the other side.
-    fn opposite(shape: usize) -> Option<usize> {
-        let name = BLEND_SHAPES[shape].name;
-        let swaps = [
-            ("eyeLookIn", "eyeLookOut"),
-            ("eyeLookUp", "eyeLookDown"),
-            ("eyeBlink", "eyeWide"),
-            ("jawLeft", "jawRight"),
-            ("mouthLeft", "mouthRight"),
-            ("mouthSmile", "mouthFrown"),
-            ("jawOpen", "mouthClose"),
-        ];
-        let there = |(a, b): (&str, &str)| name.contains(a).then(|| name.replace(a, b));
-        let other = swaps
-            .into_iter()
-            .find_map(|(a, b)| there((a, b)).or_else(|| there((b, a))))?;
-        BLEND_SHAPES.iter().position(|s| s.name == other)
+    /// Whether a pose has a shape that undoes another one, such as the look to the other side.
+    fn is_undone(shape: usize, weights: &[f32]) -> bool {
+        let jaw = [index("jawOpen"), index("mouthClose")];
+        let undoes = |other: usize| {
+            are_opposite(shape, other) || jaw == [shape, other] || jaw == [other, shape]
+        };
+        (0..weights.len()).any(|other| weights[other] > 0.0 && undoes(other))
     }
 
     /// Mean error of the weights of random poses that went through rounded FAP values and back, and
@@ -282,8 +330,7 @@ mod tests {
             let mut left = active;
             while left > 0 {
                 let shape = random.below(shapes);
-                let blocked = opposite(shape).is_some_and(|o| weights[o] > 0.0);
-                if weights[shape] == 0.0 && !blocked {
+                if weights[shape] == 0.0 && !is_undone(shape, &weights) {
                     weights[shape] = 0.05 + 0.95 * random.unit();
                     left -= 1;
                 }
@@ -320,6 +367,41 @@ mod tests {
             let most = shown.error_mm.iter().fold(0.0_f32, |m, e| m.max(e.abs()));
             assert!(most < 0.1, "{} {most} mm", known.name);
         }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(256))]
+        /// Values that no face makes: each parameter on its own.
+        #[test]
+        fn opposites_are_not_shown_at_once(values in prop::collection::vec(-300.0..300.0_f32, LOW_FAP_COUNT)) {
+            let values = FapValues(values.try_into().unwrap());
+            let shown = arkit().solver(ALL).solve(&values);
+            prop_assert_eq!(most_at_once(&shown), 0.0);
+            prop_assert!(shown.weights.iter().all(|w| (0.0..=1.0).contains(w)));
+            let best = free().solver(ALL).solve(&values);
+            prop_assert!(rms_mm(&shown) < 1.1 * rms_mm(&best) + 0.1, "{} {}", rms_mm(&shown), rms_mm(&best));
+        }
+    }
+
+    fn shown(viseme: usize) -> ShownFace {
+        let mut values = FapValues::default();
+        values.add(VISEMES[viseme], 1.0);
+        arkit().solver(ALL).solve(&values)
+    }
+
+    #[test]
+    fn visemes_cancel_nothing() {
+        for viseme in 1..VISEMES.len() {
+            assert_eq!(most_at_once(&shown(viseme)), 0.0, "{viseme}");
+        }
+        // Lips that press, 1.2 mm, are no work for whole shapes, as dimples against a pucker.
+        let pressed = shown(1);
+        assert!(pressed.weights.iter().all(|w| *w < 0.2), "{pressed:?}");
+        // 480 of the 1000 units of jawOpen, and no side.
+        let open = shown(10);
+        let weight = |name| open.weights[index(name)];
+        assert!((0.4..0.6).contains(&weight("jawOpen")), "{open:?}");
+        assert_eq!([weight("jawLeft"), weight("jawRight")], [0.0, 0.0]);
     }
 
     #[test]

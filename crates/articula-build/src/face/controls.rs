@@ -4,7 +4,7 @@ use super::fap_values::{FapList, FapValues};
 use super::high_level::{EXPRESSIONS, VISEMES};
 use super::names::face_control;
 use crate::joint_names::MappingConfidence;
-use articula_core::arkit_table::BLEND_SHAPES;
+use articula_core::arkit_table::{BLEND_SHAPES, are_opposite};
 use articula_core::face_control::{FaceControl, FaceSide, Lip, ShapePart, ShapeSet};
 use articula_core::fap_table::{LOW_FAPS, TABLE};
 
@@ -68,6 +68,22 @@ fn share_of<T: PartialEq>(part: Option<T>, own: Option<T>) -> f32 {
 pub fn blend_shape(name: &str) -> Option<FapValues> {
     let (shapes, part) = surely(name)?;
     Some(column_of_shapes(shapes, part))
+}
+
+/// Returns the pairs of controls, by their indices, whose shapes undo each other
+/// ([`OPPOSITES`](articula_core::arkit_table::OPPOSITES)); a control that shows several is the opposite of
+/// those of each.
+pub fn opposite_controls(shapes: &[Option<ShapeSet>]) -> Vec<[usize; 2]> {
+    let undo = |a: ShapeSet, b: ShapeSet| a.iter().any(|a| b.iter().any(|b| are_opposite(a, b)));
+    let known = shapes
+        .iter()
+        .enumerate()
+        .filter_map(|(i, s)| Some((i, (*s)?)));
+    let pairs = known.clone().flat_map(|(i, a)| {
+        let after = known.clone().filter(move |(j, b)| *j > i && undo(a, *b));
+        after.map(move |(j, _)| [i, j])
+    });
+    pairs.collect()
 }
 
 /// Returns the name in ARKit of a blend shape in any of the spellings of [`blend_shape`]; `None` for

@@ -5,6 +5,7 @@
 //! - `names`: what a morph target or an expression shows, by its name
 //! - `controls`: the parameters that it amounts to
 //! - `bridge`: weights of controls to parameters, and back by bounded least squares
+//! - `opposed`: least squares without controls that undo each other
 //! - `bounded`: the least-squares solver
 //! - `intervals`: morph targets that show a part of one parameter's range
 //! - `points`: the feature points of a face on its mesh
@@ -27,11 +28,14 @@ mod fields;
 mod high_level;
 mod intervals;
 mod names;
+mod opposed;
 mod points;
 mod table;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
-pub use controls::{arkit_name, arkit_shape, blend_shape, control_column, vrm_preset};
+pub use controls::{
+    arkit_name, arkit_shape, blend_shape, control_column, opposite_controls, vrm_preset,
+};
 pub use detail::{FaceDetail, FaceFrames};
 pub use fap_values::FapValues;
 pub use field_fit::FieldFit;

@@ -10,8 +10,11 @@ use super::targets::{Target, section};
 use anyhow::{Context, Result};
 use articula::Figure;
 use articula::face::HeadSurface;
-use articula_build::face::{FaceBridge, FacePoints, FaceTable, FapValues, blend_shape};
-use articula_core::arkit_table::BLEND_SHAPES;
+use articula_build::face::{
+    FaceBridge, FacePoints, FaceTable, FapValues, arkit_shape, blend_shape, opposite_controls,
+};
+use articula_core::arkit_table::{BLEND_SHAPES, are_opposite};
+use articula_core::face_control::ShapeSet;
 use articula_core::fap_table::{LOW_FAP_COUNT, LOW_FAPS, TABLE};
 use std::fmt::Write as _;
 
@@ -25,16 +28,8 @@ const POSES: usize = 80;
 const ACTIVE: [usize; 2] = [6, 25];
 /// Error of a weight up to which a shape counts as kept.
 const KEPT: f32 = 0.03;
-/// Pairs of words by which a shape undoes another.
-const OPPOSITES: [(&str, &str); 7] = [
-    ("eyeLookIn", "eyeLookOut"),
-    ("eyeLookUp", "eyeLookDown"),
-    ("eyeBlink", "eyeWide"),
-    ("jawLeft", "jawRight"),
-    ("mouthLeft", "mouthRight"),
-    ("mouthSmile", "mouthFrown"),
-    ("jawOpen", "mouthClose"),
-];
+/// Shapes that are not opposites, as a face shows both, but undo each other.
+const CLOSED: [&str; 2] = ["jawOpen", "mouthClose"];
 
 /// Shapes with the parameters that each amounts to.
 struct Columns {
@@ -139,7 +134,9 @@ fn measured(made: &Columns, solved: &Columns, active: usize) -> Way {
             let column = columns.shapes.iter().find(|s| s.0 == *name);
             column.map(|s| s.1).unwrap_or_default()
         };
-        FaceBridge::new(common.iter().map(of).collect())
+        let shape = |name: &&str| arkit_shape(name).map(|shape| ShapeSet::of([shape]));
+        let shapes: Vec<_> = common.iter().map(shape).collect();
+        FaceBridge::new(common.iter().map(of).collect()).with_opposites(opposite_controls(&shapes))
     };
     let there = bridge(made);
     let mut back = bridge(solved).solver([true; LOW_FAP_COUNT]);
@@ -162,18 +159,18 @@ fn measured(made: &Columns, solved: &Columns, active: usize) -> Way {
 
 /// Weights of a pose without shapes that undo each other.
 fn pose(names: &[&str], active: usize, random: &mut Random) -> Vec<f32> {
-    let opposite = |name: &str| {
-        let swap = |(a, b): (&str, &str)| name.contains(a).then(|| name.replace(a, b));
-        let mut pairs = OPPOSITES.into_iter();
-        let other = pairs.find_map(|(a, b)| swap((a, b)).or_else(|| swap((b, a))))?;
-        names.iter().position(|n| *n == other)
+    let undoes = |a: &str, b: &str| {
+        let pair = [arkit_shape(a), arkit_shape(b)];
+        let closes = [a, b] == CLOSED || [b, a] == CLOSED;
+        closes || matches!(pair, [Some(a), Some(b)] if are_opposite(a, b))
     };
     let mut weights = vec![0.0; names.len()];
     let mut left = active;
     // Each try is random; with half of all shapes active some tries are in vain.
     for _ in 0..100 * active {
         let shape = (random.unit() * names.len() as f32) as usize % names.len();
-        let blocked = opposite(names[shape]).is_some_and(|o| weights[o] > 0.0);
+        let active = names.iter().zip(&weights).filter(|(_, w)| **w > 0.0);
+        let blocked = active.map(|(n, _)| n).any(|n| undoes(n, names[shape]));
         if left > 0 && weights[shape] == 0.0 && !blocked {
             weights[shape] = 0.05 + 0.95 * random.unit();
             left -= 1;

@@ -7,7 +7,7 @@ use super::named::{control_of, named_controls};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use articula_build::face::{
-    FaceBridge, FapInterval, FapValues, blend_shape, control_column, vrm_preset,
+    FaceBridge, FapInterval, FapValues, blend_shape, control_column, opposite_controls, vrm_preset,
 };
 use articula_core::LibmQuat;
 use articula_core::face_control::{FaceControl, ShapeSet};
@@ -87,8 +87,12 @@ impl FaceControls {
             of_morphs
         };
         let (columns, targets): (Vec<FapValues>, Vec<Target>) = most.into_iter().unzip();
-        (!targets.is_empty()).then(|| Self {
-            bridge: FaceBridge::new(columns.clone()),
+        if targets.is_empty() {
+            return None;
+        }
+        let shapes: Vec<_> = targets.iter().map(|t| shown_by(t, character)).collect();
+        Some(Self {
+            bridge: FaceBridge::new(columns.clone()).with_opposites(opposite_controls(&shapes)),
             columns: Some(columns),
             targets,
             shares: Vec::new(),
@@ -181,20 +185,7 @@ impl FaceControls {
 
     /// The blend shapes of ARKit that each control shows, at least in part; `None` if one shows none.
     pub(super) fn shapes(&self, character: &Character) -> Option<Vec<ShapeSet>> {
-        let shapes = |target: &Target| {
-            let name = match target {
-                Target::Morphs(slots) => {
-                    let (mesh, slot) = *slots.first()?;
-                    &character.meshes[mesh].morph_names[slot]
-                }
-                Target::Expression(index) => &character.expressions[*index].name,
-                Target::Joints(_) => return None,
-            };
-            match control_of(character, name)?.control {
-                FaceControl::Shapes(shapes, _) => Some(shapes),
-                FaceControl::Viseme(_) | FaceControl::Emotion(_) => None,
-            }
-        };
+        let shapes = |target| shown_by(target, character);
         self.targets.iter().map(shapes).collect()
     }
 
@@ -266,6 +257,22 @@ impl FaceControls {
             }
         }
         channels
+    }
+}
+
+/// The blend shapes of ARKit that a target shows by its name, at least in part.
+fn shown_by(target: &Target, character: &Character) -> Option<ShapeSet> {
+    let name = match target {
+        Target::Morphs(slots) => {
+            let (mesh, slot) = *slots.first()?;
+            &character.meshes[mesh].morph_names[slot]
+        }
+        Target::Expression(index) => &character.expressions[*index].name,
+        Target::Joints(_) => return None,
+    };
+    match control_of(character, name)?.control {
+        FaceControl::Shapes(shapes, _) => Some(shapes),
+        FaceControl::Viseme(_) | FaceControl::Emotion(_) => None,
     }
 }
 

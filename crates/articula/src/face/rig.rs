@@ -6,7 +6,7 @@ use super::found::FoundFace;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
-use articula_build::face::{FaceBridge, FapValues, blend_shape};
+use articula_build::face::{FaceBridge, FapValues, blend_shape, opposite_controls};
 use articula_core::arkit_table::{BLEND_SHAPE_COUNT, BLEND_SHAPES, BlendShape};
 use articula_core::face_control::ShapeSet;
 use glam::Vec3;
@@ -78,7 +78,8 @@ impl FaceRig {
         let own = generic.and_then(|columns| own(columns, fields, figure));
         let own = own.map(|columns| {
             let name = name_of(&columns);
-            (FaceBridge::new(columns), name)
+            let opposites = controls.bridge().opposites().to_vec();
+            (FaceBridge::new(columns).with_opposites(opposites), name)
         });
         Self { controls, own }
     }
@@ -135,11 +136,14 @@ impl CaptureBridge {
     /// The generic columns of all 52 shapes.
     pub fn generic() -> Self {
         let column = |shape: &BlendShape| blend_shape(shape.name).unwrap_or_default();
+        let shapes: Vec<ShapeSet> = (0..BLEND_SHAPE_COUNT)
+            .map(|shape| ShapeSet::of([shape]))
+            .collect();
+        let opposites = opposite_controls(&shapes.iter().copied().map(Some).collect::<Vec<_>>());
+        let bridge = FaceBridge::new(BLEND_SHAPES.iter().map(column).collect());
         Self {
-            bridge: FaceBridge::new(BLEND_SHAPES.iter().map(column).collect()),
-            shapes: (0..BLEND_SHAPE_COUNT)
-                .map(|shape| ShapeSet::of([shape]))
-                .collect(),
+            bridge: bridge.with_opposites(opposites),
+            shapes,
             name: GENERIC_BRIDGE.to_owned(),
         }
     }
