@@ -11,6 +11,14 @@ export interface StudioState {
   body: 'solid' | 'clear' | 'none';
   skeleton: boolean;
   radius: number;
+  /** Degrees by which the character is turned, and metres by which it stands aside. */
+  turn: number;
+  across: number;
+  nearer: number;
+  /** Figures beside the first. */
+  clones: number;
+  /** Where the camera of the stage is and looks, six numbers with commas between them; as it fits without. */
+  camera: string;
   complexity: string;
   depth: number;
   hanim: string;
@@ -68,6 +76,11 @@ const USUAL: Readonly<StudioState> = {
   body: 'clear',
   skeleton: true,
   radius: 1,
+  turn: 0,
+  across: 0,
+  nearer: 0,
+  clones: 0,
+  camera: '',
   complexity: '',
   depth: 0,
   hanim: '',
@@ -130,6 +143,10 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   yaw: [-180, 180],
   speed: [0.1, 2],
   radius: [0.3, 3],
+  turn: [-180, 180],
+  across: [-5, 5],
+  nearer: [-20, 5],
+  clones: [0, 8],
   lookup: [1, 60],
   pixels: [0.05, 64],
   tolerance: [0.1, 32],

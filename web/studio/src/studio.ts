@@ -4,6 +4,7 @@ import { ArticulaAsset } from '@articula/three';
 import { KeptTools } from './kept-tools.js';
 import { readState, type StudioState, writeState } from './state.js';
 import type { Notices, TaskLine } from './ui/status.js';
+import { type CameraKey, readCameraPath } from './view/camera-path.js';
 
 /** The character of the page: its file as bytes, and opened. */
 export interface Character {
@@ -40,6 +41,8 @@ export class Studio extends EventTarget {
   character: Character;
   /** The file of the character as it was given, before anything was made of it. */
   source: SourceFile;
+  /** The path of a camera that was recorded or opened; empty without. */
+  cameraPath: readonly CameraKey[] = [];
   #link = 0;
 
   private constructor(articula: Articula, character: Character, task: TaskLine, notices: Notices, tools: KeptTools) {
@@ -81,7 +84,7 @@ export class Studio extends EventTarget {
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
       if (/\.json$/i.test(file.name)) {
-        this.#takeProfile(new TextDecoder().decode(bytes));
+        this.#takeJson(new TextDecoder().decode(bytes), file.name);
       } else if (IS_MOTION.test(file.name) || IS_FACE.test(file.name)) {
         await this.#addMotion(bytes, file.name);
       } else {
@@ -104,6 +107,7 @@ export class Studio extends EventTarget {
     // What is still made of the file before must not come after this one.
     this.task.cancel();
     this.source = { bytes, name };
+    this.state.camera = '';
     if (IS_PLAYED.test(name)) {
       // It plays at once, and with its tables when they are there.
       this.#show(await opened(this.articula, bytes, name));
@@ -147,6 +151,21 @@ export class Studio extends EventTarget {
     this.notices.say(`${name} now moves ${character.name}.`);
     this.source = { bytes: moved, name: character.name };
     await this.#prepare(moved, character.name);
+  }
+
+  /** Takes over a camera path, which is a list, or a LoA profile. */
+  #takeJson(text: string, name: string): void {
+    if (!text.trimStart().startsWith('[')) {
+      this.#takeProfile(text);
+      return;
+    }
+    try {
+      this.cameraPath = readCameraPath(text);
+    } catch (error) {
+      throw new Error(`${name}: ${error instanceof Error ? error.message : String(error)}`);
+    }
+    this.dispatchEvent(new Event('camera-path'));
+    this.notices.say(`The page Stage replays ${name}.`);
   }
 
   /** Takes over a LoA profile. */

@@ -36,6 +36,13 @@ export function native() {
     /** Hash FNV-1a of the palettes of twelve frames of FigurePlayer. */
     palettes: steps.split('\n').find((line) => line.startsWith('palettes of the figure: '))?.slice(-16),
     rows: (...words) => JSON.parse(run('lod', file, '--json', ...words)).rows,
+    /** What `articula lod` tells of a character before a camera that moves along a path. */
+    along(bytes, path, ...words) {
+      const [model, keys] = ['moved.glb', 'path.json'].map((name) => join(folder, name));
+      writeFileSync(model, bytes);
+      writeFileSync(keys, path);
+      return JSON.parse(run('lod', model, '--json', '--camera-path', keys, ...words)).camera_path;
+    },
     /** A file in fewer bytes, and the report about it. */
     optimized(bytes, ...words) {
       const [from, to] = ['heavy.glb', 'lighter.glb'].map((name) => join(folder, name));

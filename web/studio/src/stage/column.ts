@@ -28,57 +28,75 @@ export interface ColumnFigures {
   readonly matrices: number;
 }
 
-/** One figure with its skeleton, on the clock of the page. */
+/** Share of a clip by which each clone is ahead of the one before. */
+const AHEAD = 0.37;
+/** Where clones stand, in heights of the character: beside it in turns, each pair farther behind. */
+const BESIDE = 0.5;
+const BEHIND = 0.35;
+
+/** One figure with its skeleton, and its clones, on the clock of the page. */
 export class StageColumn {
   readonly root = new Group();
   readonly figure: ArticulaFigure;
+  /** The figure and its clones, which share its geometry. */
+  readonly crew: readonly ArticulaFigure[];
   readonly title: string;
-  readonly #overlay: SkeletonOverlay;
+  readonly #overlays: readonly SkeletonOverlay[];
   readonly #asset: ArticulaAsset;
   readonly #rule: ColumnRule;
   /** Metres by which the clip carries the figure in a second. */
   #drift: readonly [number, number] = [0, 0];
+  #clipSecs = 0;
 
-  constructor(asset: ArticulaAsset, rule: ColumnRule) {
+  constructor(asset: ArticulaAsset, rule: ColumnRule, clones = 0) {
     this.#asset = asset;
     this.#rule = rule;
     this.title = rule.title;
     this.figure = new ArticulaFigure(asset);
-    this.#overlay = new SkeletonOverlay([...asset.core.parents], heightOf(asset));
-    this.figure.add(this.#overlay);
-    this.root.add(this.figure);
+    this.crew = [this.figure, ...Array.from({ length: clones }, () => new ArticulaFigure(asset))];
+    this.#overlays = this.crew.map((figure) => {
+      const overlay = new SkeletonOverlay([...asset.core.parents], heightOf(asset));
+      figure.add(overlay);
+      return overlay;
+    });
+    this.root.add(...this.crew);
   }
 
   /** Takes over the metric, its transitions, and the joints that may move. */
   steer(state: StudioState, rule = this.#rule): void {
-    const { core } = this.figure;
-    core.setTransition(state.transition, state.ease, state.passive);
-    if (rule.measured && state.metric === 'pixels') {
-      core.setTolerance(state.pixels);
-    } else if (rule.measured && state.metric === 'thesis') {
-      core.setThreshold(state.threshold, state.farthest, 16, state.lookup, state.curve === 'fixed');
-    } else {
-      core.setFullDetail();
+    for (const { core } of this.crew) {
+      steered(core, state, rule);
     }
-    core.articulate(rule.joints);
   }
 
   /** Changes the joints that may move, in a transition. */
   articulate(joints: Uint32Array): void {
-    this.figure.core.articulate(joints);
+    this.crew.forEach(({ core }) => core.articulate(joints));
   }
 
   /** Plays a clip on the spot: what carries the figure away is taken out. */
   play(clip: number, secs: number): void {
     this.#drift = drift(this.#asset, clip);
-    this.figure.core.play(clip, secs);
+    this.#clipSecs = this.#asset.clipSecs[clip] ?? 0;
+    this.crew.forEach(({ core }, i) => core.play(clip, this.#ahead(secs, i)));
+  }
+
+  /** Where it stands. */
+  stand(state: StudioState): void {
+    this.root.position.set(state.across, 0, state.nearer);
+    this.root.rotation.y = (state.turn * Math.PI) / 180;
   }
 
   /** How the body and the skeleton are shown. */
   dress(state: StudioState): void {
-    this.#overlay.visible = state.skeleton;
-    this.#overlay.radius = heightOf(this.#asset) * 0.008 * state.radius;
-    this.figure.mesh.visible = state.body !== 'none';
+    this.#overlays.forEach((overlay) => {
+      overlay.visible = state.skeleton;
+      overlay.radius = heightOf(this.#asset) * 0.008 * state.radius;
+    });
+    this.crew.forEach(({ mesh }) => {
+      mesh.visible = state.body !== 'none';
+    });
+    // All figures of an asset have the same materials.
     for (const material of this.figure.mesh.material as Material[]) {
       const clear = state.body === 'clear' && state.skeleton;
       if (material.userData.wasClear === undefined) {
@@ -92,17 +110,28 @@ export class StageColumn {
 
   /** Shows a moment. */
   update(nowSecs: number, clipSecs: number, viewport: Viewport): void {
-    const { figure } = this;
-    figure.position.set(-this.#drift[0] * clipSecs, 0, -this.#drift[1] * clipSecs);
-    figure.updateAt(nowSecs, clipSecs, viewport.camera, viewport.columnSize);
-    if (this.#overlay.visible) {
-      this.#overlay.update(this.joints(), figure.core.jointStates);
-    }
+    this.place(clipSecs);
+    this.crew.forEach((figure, i) => {
+      figure.updateAt(nowSecs, this.#ahead(clipSecs, i), viewport.camera, viewport.columnSize);
+      const overlay = this.#overlays[i];
+      if (overlay?.visible) {
+        overlay.update(this.joints(figure), figure.core.jointStates);
+      }
+    });
+  }
+
+  /** Places the figures as they stand at a time of the clip. */
+  place(clipSecs: number): void {
+    const height = heightOf(this.#asset);
+    this.crew.forEach((figure, i) => {
+      const secs = this.#ahead(clipSecs, i);
+      const [pair, side] = [Math.ceil(i / 2), i % 2 === 0 ? 1 : -1];
+      figure.position.set(side * pair * BESIDE * height - this.#drift[0] * secs, 0, -pair * BEHIND * height - this.#drift[1] * secs);
+    });
   }
 
   /** Model-space matrices of the joints. */
-  joints(): Float32Array {
-    const { core } = this.figure;
+  joints({ core } = this.figure): Float32Array {
     return new Float32Array(this.#asset.articula.memory.buffer, core.jointsAt(), this.#asset.joints.length * MATRIX_FLOATS);
   }
 
@@ -120,10 +149,28 @@ export class StageColumn {
   }
 
   dispose(): void {
-    this.#overlay.dispose();
-    this.figure.dispose();
+    this.#overlays.forEach((overlay) => overlay.dispose());
+    this.crew.forEach((figure) => figure.dispose());
     this.root.removeFromParent();
   }
+
+  /** The time that a figure of the crew is at. */
+  #ahead(secs: number, i: number): number {
+    return i === 0 || this.#clipSecs === 0 ? secs : (secs + AHEAD * i * this.#clipSecs) % this.#clipSecs;
+  }
+}
+
+/** Gives a figure its metric, its transitions, and the joints that may move. */
+function steered(core: ArticulaFigure['core'], state: StudioState, rule: ColumnRule): void {
+  core.setTransition(state.transition, state.ease, state.passive);
+  if (rule.measured && state.metric === 'pixels') {
+    core.setTolerance(state.pixels);
+  } else if (rule.measured && state.metric === 'thesis') {
+    core.setThreshold(state.threshold, state.farthest, 16, state.lookup, state.curve === 'fixed');
+  } else {
+    core.setFullDetail();
+  }
+  core.articulate(rule.joints);
 }
 
 /** Height of a character at rest in metres, of what has none a little. */

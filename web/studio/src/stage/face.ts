@@ -39,14 +39,14 @@ export class FacePanel {
     const clear = button('Clear', () => {
       this.#weights.clear();
       this.#sliders.forEach((control) => control.set(0));
-      this.#columns().forEach(({ figure }) => figure.clearMorphs());
+      this.#columns().forEach(({ crew }) => crew.forEach((figure) => figure.clearMorphs()));
     }, 'small');
     this.#body.replaceChildren(...this.#sliders.map(({ element }) => element), clear);
   }
 
   /** Sets the weights on all columns. */
   apply(): void {
-    for (const { figure } of this.#columns()) {
+    for (const figure of this.#columns().flatMap(({ crew }) => crew)) {
       this.#weights.forEach((weight, name) => figure.setExpression(name, weight));
     }
   }

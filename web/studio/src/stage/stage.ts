@@ -4,6 +4,7 @@ import type { StudioState } from '../state.js';
 import type { Studio } from '../studio.js';
 import { packCameras } from './view-of.js';
 import type { Viewport } from '../view/viewport.js';
+import { CameraPanel } from './camera.js';
 import { ClipsPanel } from './clips.js';
 import { type ColumnRule, StageColumn } from './column.js';
 import { EvaluatePanel } from './evaluate.js';
@@ -11,6 +12,7 @@ import { FacePanel } from './face.js';
 import { chosenJoints, LEVELS, LevelsPanel, spoken } from './levels.js';
 import { LivePanel } from './live.js';
 import { MetricPanel } from './metric.js';
+import { placement } from './placement.js';
 import { takeHome } from './take-home.js';
 import { Timeline } from './timeline.js';
 
@@ -32,6 +34,7 @@ export class StagePage {
   readonly #metric: MetricPanel;
   readonly #clips: ClipsPanel;
   readonly #face: FacePanel;
+  readonly #camera: CameraPanel;
   readonly #live = new LivePanel();
   readonly #labels = h('div', { class: 'column-labels' });
   readonly #counts = { active: h('b', {}), passive: h('b', {}), changing: h('b', {}) };
@@ -49,11 +52,12 @@ export class StagePage {
     this.#metric = new MetricPanel(studio);
     this.#clips = new ClipsPanel(studio);
     this.#face = new FacePanel(studio, () => this.columns);
+    this.#camera = new CameraPanel(studio, viewport, this.timeline, () => this.columns[0]);
     const evaluate = new EvaluatePanel(studio, () => this.#expression());
     const key = (kind: string, word: string, count: HTMLElement): HTMLElement => h('li', { class: kind }, word, ' ', count);
     const legend = h('ul', { class: 'state-key', 'aria-label': 'Joints by state' }, key('active', 'active', this.#counts.active), key('passive', 'passive', this.#counts.passive), key('changing', 'in transition', this.#counts.changing));
     this.main = h('div', { class: 'stage' }, h('div', { class: 'picture-frame' }, this.#labels, legend), this.timeline.element);
-    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), this.#face.element, evaluate.element, takeHome(studio));
+    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, evaluate.element, takeHome(studio));
     studio.addEventListener('state', () => this.#follow());
     studio.addEventListener('character', () => this.#renew());
     studio.addEventListener('selection', () => this.#levels.renew());
@@ -65,6 +69,7 @@ export class StagePage {
   }
 
   unmount(): void {
+    this.#camera.end();
     this.columns[0]?.dress({ ...this.#studio.state, body: 'solid' });
     this.#clear();
   }
@@ -106,6 +111,7 @@ export class StagePage {
     if (!this.#viewport.element.isConnected || !this.#viewport.isIn(this.main)) {
       return;
     }
+    this.#camera.end();
     this.#clear();
     this.#select();
     const { asset } = this.#studio.character;
@@ -114,15 +120,18 @@ export class StagePage {
     this.#clips.renew();
     this.#face.renew();
     this.#makeColumns();
-    this.#viewport.fit(asset.bounds, YAW);
+    if (!this.#viewport.place(this.#studio.state.camera)) {
+      this.#viewport.fit(asset.bounds, YAW);
+    }
     this.#viewport.step(0);
   }
 
   #makeColumns(): void {
     const { state, character } = this.#studio;
-    this.columns = this.#rules().map((rule) => new StageColumn(character.asset, rule));
+    this.columns = this.#rules().map((rule) => new StageColumn(character.asset, rule, state.clones));
     for (const column of this.columns) {
       column.steer(state);
+      column.stand(state);
       this.#viewport.scene.add(column.root);
     }
     this.columns[0]?.dress(state);
@@ -178,9 +187,12 @@ export class StagePage {
         this.columns[0]?.articulate(this.#joints);
       }
     }
-    if (differs('columns')) {
+    if (differs('columns', 'clones')) {
       this.#clear();
       this.#makeColumns();
+    }
+    if (differs('columns')) {
+      state.camera = '';
       this.#viewport.fit(this.#studio.character.asset.bounds, YAW);
     }
     if (differs(...STEERED)) {
@@ -194,10 +206,12 @@ export class StagePage {
     if (differs('body', 'skeleton', 'radius')) {
       this.columns.forEach((column) => column.dress(state));
     }
+    this.columns.forEach((column) => column.stand(state));
   }
 
   #frame(dtSecs: number): void {
     this.timeline.advance(dtSecs);
+    this.#camera.frame(dtSecs);
     const start = performance.now();
     for (const column of this.columns) {
       column.update(this.timeline.now, this.timeline.secs, this.#viewport);

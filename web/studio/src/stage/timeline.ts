@@ -65,6 +65,13 @@ export class Timeline {
     this.#paint();
   }
 
+  /** Plays from a time of a clip that goes on in a loop. */
+  restart(secs: number): void {
+    this.secs = secs % this.#length;
+    this.#studio.set({ playing: true, at: 0 });
+    this.#paint();
+  }
+
   /** Shows a time. */
   seek(secs: number): void {
     this.secs = Math.min(Math.max(secs, 0), this.#end);

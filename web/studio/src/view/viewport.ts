@@ -139,6 +139,29 @@ export class Viewport {
     return true;
   }
 
+  /** Whether the picture is fitted to a box: the visitor has not moved the camera. */
+  get isFitted(): boolean {
+    return this.#fitted !== undefined;
+  }
+
+  /** Where the camera is and looks: six numbers with commas between them. */
+  get pose(): string {
+    return [...this.camera.position.toArray(), ...this.controls.target.toArray()].map((x) => Number(x.toFixed(3))).join(',');
+  }
+
+  /** Places the camera at a {@link pose}; false if it is none. */
+  place(pose: string): boolean {
+    const numbers = pose.split(',').map(Number);
+    if (numbers.length !== 6 || !numbers.every(Number.isFinite)) {
+      return false;
+    }
+    this.leave();
+    this.camera.position.fromArray(numbers);
+    this.controls.target.fromArray(numbers, 3);
+    this.controls.update();
+    return true;
+  }
+
   /** Leaves the camera to the caller, whatever the size of the picture. */
   leave(): void {
     this.#fitted = undefined;
