@@ -27,15 +27,15 @@ const HEAVY: &[&str] = &[
     "glam",
 ];
 
-/// Builds what runs in node, with some modules for web pages as one. All packages are named in every call, so that
+/// Builds what runs in node, with a module for web pages if one is named. All packages are named in every call, so that
 /// cargo compiles the library once.
-pub(crate) fn build_dev(modules: &[&str]) -> Result<()> {
+pub(crate) fn build_dev(module: Option<&str>) -> Result<()> {
     let optimised = HEAVY.iter().flat_map(|name| {
         let setting = format!("profile.dev.package.{name}.opt-level=1");
         ["--config".to_owned(), setting]
     });
-    let features = modules.iter().map(|name| format!(",{PACKAGE}/{name}"));
-    let features = features.fold(SHARED.to_owned(), |all, one| all + &one);
+    let module = module.map(|name| format!(",{PACKAGE}/{name}"));
+    let features = SHARED.to_owned() + &module.unwrap_or_default();
     let words = ["build", "--quiet", "--target", TARGET];
     run(cargo()
         .args(words)

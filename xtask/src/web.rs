@@ -59,9 +59,6 @@ const MODULES: [&Module; 4] = [&PLAY, &TOOLS, &STREAM, &PUBLISH];
 const USUAL: [&Module; 2] = [&PLAY, &TOOLS];
 const USUAL_LIMIT: usize = 2_000_000;
 
-/// Modules that tests take from one build, with the contents of all of them: those of pages, and those of workers.
-const DEV_MODULES: [[&Module; 2]; 2] = [[&PLAY, &STREAM], [&TOOLS, &PUBLISH]];
-
 /// What was asked for.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct WebOptions {
@@ -123,11 +120,10 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
 /// Builds the modules as the tests in node are built, with the library compiled once for all, and returns their
 /// folder.
 pub(crate) fn dev_modules() -> Result<PathBuf> {
-    for modules in DEV_MODULES {
-        build_dev(&modules.map(|module| module.name))?;
-        for module in modules {
-            generate(&platform::built(TARGET), module)?;
-        }
+    for module in MODULES {
+        // Each alone: what another one has, pages do not find in it either.
+        build_dev(Some(module.name))?;
+        generate(&platform::built(TARGET), module)?;
     }
     Ok(root().join(FOLDER))
 }

@@ -6,6 +6,9 @@ export const MATRIX_FLOATS = 12;
 /** What has the arrays of a figure, as byte offsets. */
 export type FigureOffsets = Pick<Figure, 'paletteAt' | 'jointsAt' | 'morphsAt'>;
 
+/** What tells how long the arrays of a figure are. */
+export type FigureLengths = Pick<Asset, 'joints' | 'morphDefaults'>;
+
 /** The arrays of a figure after its last frame. They are valid until the next call of any method of the module. */
 export class FigureArrays {
   readonly #memory: WebAssembly.Memory;
@@ -14,7 +17,7 @@ export class FigureArrays {
   readonly #bindings: number;
   readonly #morphs: number;
 
-  constructor(memory: WebAssembly.Memory, asset: Asset, figure: FigureOffsets, bindings: number) {
+  constructor(memory: WebAssembly.Memory, asset: FigureLengths, figure: FigureOffsets, bindings: number) {
     this.#memory = memory;
     this.#figure = figure;
     this.#joints = asset.joints.length;

@@ -3,7 +3,7 @@ export { Asset, Crowd, Figure, Geometry } from '../wasm/play.js';
 export { Articula, type CrowdParts, type FigureOptions, type FigureParts, type LoadOptions } from './articula.js';
 export { type ClipEvent, type ClipEvents, CrowdArrays, type CrowdOptions, type DrawGroup, type DrawKind } from './crowd.js';
 export { ArticulaError, type ArticulaErrorCode, type ArticulaFault } from './error.js';
-export { FigureArrays, type FigureOffsets, MATRIX_FLOATS } from './figure.js';
+export { FigureArrays, type FigureLengths, type FigureOffsets, MATRIX_FLOATS } from './figure.js';
 export type { PackagedBytes, Progress } from './messages.js';
 export {
   type AddClipsOptions,

@@ -15,9 +15,12 @@ export interface FigureShape {
   readonly bindings: number;
 }
 
+/** What a character tells of its picture, in whatever module it is. */
+export type PicturedAsset = Pick<Asset, 'free' | 'image' | 'materials' | 'mesh' | 'morphNames' | 'warnings'>;
+
 /** What is drawn of a character: its finest mesh, materials and textures. */
 export class AssetLook {
-  readonly core: Asset;
+  readonly core: PicturedAsset;
   /** What was left out or computed again, in words. */
   readonly warnings: readonly string[];
   /** The materials of the file, then the one of parts without. */
@@ -26,7 +29,7 @@ export class AssetLook {
   #shape: FigureShape | undefined;
 
   private constructor(
-    core: Asset,
+    core: PicturedAsset,
     materials: FigureMaterial[],
     textures: FileTextures,
     warnings: readonly string[],
@@ -38,7 +41,7 @@ export class AssetLook {
   }
 
   /** Takes over a character, and makes its materials. */
-  static async of(core: Asset): Promise<AssetLook> {
+  static async of(core: PicturedAsset): Promise<AssetLook> {
     const warnings = [...core.warnings];
     const file = JSON.parse(core.materials()) as FileMaterials;
     const textures = new FileTextures(file, (index) => core.image(index));
