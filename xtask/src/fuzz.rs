@@ -252,6 +252,8 @@ fn run_target(target: &str, secs: u64) -> Result<String> {
         "-print_final_stats=1".to_owned(),
         format!("-max_total_time={secs}"),
         format!("-timeout={HANG_SECS}"),
+        // Slower ones than half of that are told otherwise.
+        format!("-report_slow_units={HANG_SECS}"),
     ];
     let output = cargo_fuzz(&["run", target, "--"])
         .args(limits)
