@@ -18,7 +18,7 @@ pub(crate) fn is_packed(bytes: &[u8]) -> bool {
 }
 
 /// Reads an item in one file: the manifest at the root, or in the only folder there, and the files that it names beside
-/// it. Of each file no more is unpacked than the manifest says, and of all no more than the limit.
+/// it. Of all of them no more is unpacked than the limit of bytes; then each must have as many as the manifest says.
 pub(crate) fn open_packed(bytes: &[u8], limits: &Limits) -> Result<Item> {
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(unsuited)?;
     let names = archive.file_names().filter_map(std::result::Result::ok);

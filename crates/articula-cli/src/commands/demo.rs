@@ -8,6 +8,7 @@ use crate::console::Console;
 use crate::files::{self, Files};
 use crate::open;
 use anyhow::Context;
+use articula::formats::Limits;
 use articula::formats::gltf::Document;
 use articula::human::HumanOptions;
 use articula::{
@@ -17,6 +18,9 @@ use articula::{
 use articula_report::demo::Demo;
 use clap::Args;
 use std::path::{Path, PathBuf};
+
+/// File of the reference human, if it is shown.
+const HUMAN: &str = "human.glb";
 
 /// Folder of characters to serve, in that of the demo.
 const STORE: &str = "store";
@@ -76,7 +80,12 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     }
     folder.write("report.json", &serde_json::to_vec_pretty(&demo.report)?)?;
     folder.write("index.html", demo.page().as_bytes())?;
-    folder.write_store(&built.glb, console)?;
+    let guide = match args.files.is_empty() {
+        // It is what was shown.
+        true => files::read(&folder.file(HUMAN), Limits::default().bytes)?,
+        false => reference_human(console)?,
+    };
+    folder.write_store(&built.glb, &guide)?;
     let store = folder.file(STORE);
     console.result(&demo.report, |report| {
         let store = files::shown(&store);
@@ -124,11 +133,9 @@ impl<'a> Folder<'a> {
     }
 
     /// Writes the folder that can be served: the character, and a guide who speaks by captions.
-    fn write_store(&self, character: &[u8], console: &Console) -> anyhow::Result<()> {
-        let guide = human::made(HumanOptions::default().triangles, console)?;
-        let guide = Document::from_character(&guide).context("the guide")?;
+    fn write_store(&self, character: &[u8], guide: &[u8]) -> anyhow::Result<()> {
         self.write(&format!("{STORE}/character.glb"), character)?;
-        self.write(&format!("{STORE}/guide.glb"), &guide.write_glb()?)?;
+        self.write(&format!("{STORE}/guide.glb"), guide)?;
         self.write(&format!("{STORE}/guide.vtt"), CAPTIONS.as_bytes())
     }
 }
@@ -148,10 +155,8 @@ fn make_asset(
     let opened = match files.split_first() {
         Some((character, motions)) => with_motions(character, motions, console)?,
         None => {
-            let character = human::made(HumanOptions::default().triangles, console)?;
-            let document = Document::from_character(&character).context("the reference human")?;
-            folder.write("human.glb", &document.write_glb()?)?;
-            let human = folder.file("human.glb");
+            folder.write(HUMAN, &reference_human(console)?)?;
+            let human = folder.file(HUMAN);
             open::character(&console.files, &human, &ReadArgs::default())?
         }
     };
@@ -162,6 +167,13 @@ fn make_asset(
     let built = console.work(|work| prepare(opened, &options, work))?;
     folder.write("asset.glb", &built.glb)?;
     Ok(built)
+}
+
+/// The file of the reference human.
+fn reference_human(console: &Console) -> anyhow::Result<Vec<u8>> {
+    let character = human::made(HumanOptions::default().triangles, console)?;
+    let document = Document::from_character(&character).context("the reference human")?;
+    Ok(document.write_glb()?)
 }
 
 /// A character with its clips and those of other files, on the spot.
