@@ -38,7 +38,7 @@ const PLAY: Module = Module {
 const TOOLS: Module = Module {
     name: "tools",
     contents: "preparing, converting, retargeting and describing files of all formats",
-    limit: 1_420_000,
+    limit: 1_460_000,
 };
 
 const STREAM: Module = Module {

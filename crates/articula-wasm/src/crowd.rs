@@ -48,16 +48,16 @@ pub struct Crowd {
 impl Crowd {
     /// A crowd at the origin that plays the first clip. `options` is JSON: `{clips?: string[], events?: {[clip: string]: {secs:
     /// number, id: number}[]}, meshLevels?: number, poseCache?: boolean, rootMotion?: "in-place" | "as-authored" |
-    /// "extracted"}`; without it all clips in place, without events, the mesh levels of the asset or, of
-    /// a file that is none, up to six, and cached poses.
+    /// "extracted"}`; without it all clips in place, without events, the mesh levels of the asset, and cached
+    /// poses.
     ///
-    /// Throws for options that are not these, a clip that the file lacks or an event outside of its clip, and more
+    /// Throws for options that are not these, mesh levels of a file that stores none, a clip that the file lacks or an event outside of its clip, and more
     /// characters than memory holds.
     #[wasm_bindgen(constructor)]
     pub fn new(asset: &Asset, count: usize, options: Option<String>) -> Result<Crowd> {
         let figure = asset.figure();
         let file = figure.opened.name().to_owned();
-        let options = crowd_options(options.as_deref())?;
+        let options = crowd_options(options.as_deref(), figure)?;
         let thrown = |error| Fault::of_file(&error, &file);
         let asset = CrowdAsset::new(figure, &options, &Executor::default()).map_err(thrown)?;
         check_memory(&asset, count)?;

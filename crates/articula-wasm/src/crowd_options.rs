@@ -2,6 +2,7 @@
 
 use crate::clip_events::ClipEvents;
 use crate::error::{Fault, Result};
+use articula::Figure;
 use articula::crowd::{CrowdOptions, MAX_MESH_LEVELS, RootMotionPolicy};
 use serde::Deserialize;
 
@@ -27,8 +28,9 @@ pub(crate) fn root_motion(word: &str) -> Result<RootMotionPolicy> {
     }
 }
 
-/// Reads the options of a crowd.
-pub(crate) fn crowd_options(json: Option<&str>) -> Result<CrowdOptions> {
+/// Reads the options of a crowd. Mesh levels are those of the file: to make them is a part of its
+/// preparation, which belongs into a worker.
+pub(crate) fn crowd_options(json: Option<&str>, figure: &Figure) -> Result<CrowdOptions> {
     let options: Options = match json {
         Some(json) => serde_json::from_str(json)
             .map_err(|error| Fault::argument(format!("options: {error}")))?,
@@ -42,11 +44,17 @@ pub(crate) fn crowd_options(json: Option<&str>) -> Result<CrowdOptions> {
             "options: meshLevels must be at most {MAX_MESH_LEVELS}"
         )));
     }
+    let has_levels = figure.stored_mesh_level_count() > 1;
+    if !has_levels && options.mesh_levels.is_some_and(|levels| levels > 1) {
+        return Err(Fault::argument(
+            "options: the file has no mesh levels for meshLevels; prepare it with them",
+        ));
+    }
     let usual = CrowdOptions::default();
     Ok(CrowdOptions {
         clips: options.clips,
         events: options.events.named(),
-        mesh_levels: options.mesh_levels,
+        mesh_levels: if has_levels { options.mesh_levels } else { Some(1) },
         pose_cache: options.pose_cache.unwrap_or(usual.pose_cache),
         root_motion: match options.root_motion {
             Some(word) => root_motion(&word)?,

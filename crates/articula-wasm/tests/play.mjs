@@ -261,6 +261,7 @@ test("what does not exist is refused", () => {
     refuses(() => new Figure(asset, "sideways"), "argument", /sideways/);
     refuses(() => new Crowd(asset, 3, '{"clip": []}'), "argument", /clip/);
     refuses(() => new Crowd(asset, 3, '{"clips": ["flight"]}'), "argument", /flight/);
+    refuses(() => new Crowd(asset, 3, '{"meshLevels": 3}'), "argument", /no mesh levels/);
     refuses(() => new Crowd(asset, 4_000_000_000), "too-large", /memory/);
     const figure = new Figure(asset);
     refuses(() => figure.play(1, 0), "argument", /clip 1/);

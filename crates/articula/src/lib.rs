@@ -117,9 +117,9 @@ pub use figure::Figure;
 pub use joint_map::{RigJointMap, rig_joint_map};
 #[cfg(feature = "prepare")]
 pub use mesh_level_rows::{MeshLevelBytes, MeshLevelRow};
+pub use mesh_levels::MeshLevelOptions;
 #[cfg(feature = "prepare")]
-pub use mesh_levels::{CodedMeshLevels, MeshLevelStream};
-pub use mesh_levels::{KeptFace, MeshLevelOptions};
+pub use mesh_levels::{CodedMeshLevels, KeptFace, MeshLevelStream};
 pub use mesh_levels::{
     LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,
     ShownRegion,

@@ -2,7 +2,9 @@
 
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use crate::mesh_levels::{self, MeshLevelOptions};
+#[cfg(feature = "prepare")]
+use crate::mesh_levels;
+use crate::mesh_levels::MeshLevelOptions;
 use crate::prepared::stored::Stored;
 use articula_build::{Asset, JointLodOptions, MergedLevels, SkinPoint, attach, compact};
 use articula_build::{PoseOptions, figure_levels, paired_levels, poses, positions};
@@ -146,7 +148,7 @@ pub(super) struct MeshLevelTriangles {
 }
 
 /// Triangles of at most `most` mesh levels: those of the file, unless it has none or more, or
-/// those that `prepare` would make with the options.
+/// those that `prepare` would make with the options; none if this build does not prepare.
 pub(super) fn mesh_level_triangles(
     figure: Option<&Figure>,
     asset: &Asset,
@@ -161,15 +163,31 @@ pub(super) fn mesh_level_triangles(
         levels.truncate(filled.count());
     }
     let are_stored = stored.is_some();
-    let triangles = match (stored, figure) {
-        (Some(stored), _) => stored,
-        (None, Some(figure)) => mesh_levels::triangles(figure, options)?,
-        (None, None) => mesh_levels::triangles_of(asset, options)?,
+    let triangles = match stored {
+        Some(stored) => stored,
+        None => made(figure, asset, options)?,
     };
     Ok(MeshLevelTriangles {
         levels: canonical(triangles),
         are_stored,
     })
+}
+
+#[cfg(feature = "prepare")]
+fn made(
+    figure: Option<&Figure>,
+    asset: &Asset,
+    options: &MeshLevelOptions,
+) -> Result<Vec<Vec<[u32; 3]>>> {
+    match figure {
+        Some(figure) => mesh_levels::triangles(figure, options),
+        None => mesh_levels::triangles_of(asset, options),
+    }
+}
+
+#[cfg(not(feature = "prepare"))]
+fn made(_: Option<&Figure>, asset: &Asset, _: &MeshLevelOptions) -> Result<Vec<Vec<[u32; 3]>>> {
+    Ok(vec![asset.mesh.triangles.clone()])
 }
 
 /// Triangles of levels in one order, since simplification and storage order them differently.

@@ -69,6 +69,7 @@ pub struct CrowdOptions {
     /// [`MeshLevelOptions::levels`](crate::MeshLevelOptions::levels). With 1 all levels use the original
     /// mesh. `None`: with merged joints those of the file, or, of a file that is not prepared,
     /// [`MeshLevelOptions::for_crowds`](crate::MeshLevelOptions::for_crowds); else the original mesh.
+    /// Without the feature `prepare`, files that store no levels show the original mesh.
     pub mesh_levels: Option<usize>,
     /// Kind of matrices in a palette.
     pub matrices: PaletteMatrices,

@@ -102,6 +102,7 @@ impl Figure {
         )
     }
 
+    #[cfg(feature = "prepare")]
     /// Order of the vertices in the source, for each primitive, if the document has another.
     pub(crate) fn orders(&self) -> Option<&[SourceOrder]> {
         self.orders.as_deref()
@@ -137,8 +138,8 @@ impl Figure {
         character
     }
 
-    /// Number of mesh levels of the file, 0 without levels.
-    pub(crate) fn stored_mesh_level_count(&self) -> usize {
+    /// Returns the number of mesh levels that the file stores, 0 without levels.
+    pub fn stored_mesh_level_count(&self) -> usize {
         let table = self.opened.character().mesh_levels.as_ref();
         table.map_or(0, |table| table.levels.len())
     }

@@ -36,7 +36,7 @@ export interface CrowdOptions {
   readonly clips?: readonly string[];
   /** Events of these clips. */
   readonly events?: ClipEvents;
-  /** Meshes of less detail, with the finest; 1 is the finest alone. As many as the asset has, or up to 6, if not told. */
+  /** Meshes of less detail, with the finest; 1 is the finest alone. As many as the asset has if not told; a file without them is prepared with `tools.prepare` first. */
   readonly meshLevels?: number;
   /** Whether poses can be taken from a cache. */
   readonly poseCache?: boolean;

@@ -4,7 +4,8 @@ mod stream;
 
 pub use stream::MeshLevelStream;
 
-use super::{KeptFace, MeshLevelOptions, options, parts_of_meshes, vertex_classes};
+use super::made::{parts_of_meshes, vertex_classes};
+use super::{KeptFace, MeshLevelOptions, options};
 use crate::error::{Error, Result};
 use crate::face::FoundFace;
 use crate::figure::Figure;

@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use crate::mesh_levels::parts_of_meshes;
+use crate::mesh_levels::made::parts_of_meshes;
 use articula_build::MeshLevels;
 use articula_stream::mesh::{Grid, Precision, quantise};
 use articula_stream::mesh::{ObjectLevels, StreamObject, write};
