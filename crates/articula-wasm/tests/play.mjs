@@ -255,13 +255,21 @@ test("a face moves by morph targets and by their names", () => {
   [figure, geometry, asset].forEach((object) => object.free());
 });
 
+test("a crowd of a file without mesh levels has its mesh alone", () => {
+  const asset = Asset.open(triangle(), "triangle.gltf");
+  refuses(() => new Crowd(asset, 3, '{"meshLevels": 3}'), "argument", /no mesh levels/);
+  const crowd = new Crowd(asset, 3, '{"meshLevels": 1}');
+  assert.equal(crowd.count, 3);
+  crowd.free();
+  asset.free();
+});
+
 test("what does not exist is refused", () => {
   withAsset((asset) => {
     refuses(() => asset.image(1000), "argument", /picture 1000/);
     refuses(() => new Figure(asset, "sideways"), "argument", /sideways/);
     refuses(() => new Crowd(asset, 3, '{"clip": []}'), "argument", /clip/);
     refuses(() => new Crowd(asset, 3, '{"clips": ["flight"]}'), "argument", /flight/);
-    refuses(() => new Crowd(asset, 3, '{"meshLevels": 3}'), "argument", /no mesh levels/);
     refuses(() => new Crowd(asset, 4_000_000_000), "too-large", /memory/);
     const figure = new Figure(asset);
     refuses(() => figure.play(1, 0), "argument", /clip 1/);
