@@ -19,6 +19,9 @@ pub(crate) struct HumanArgs {
     /// Number of triangles of all meshes together, 2000 to 70000
     #[arg(long, value_name = "N", default_value_t = HumanOptions::default().triangles)]
     triangles: usize,
+    /// Make the plain mannequin, without a face that moves, hair and clothes
+    #[arg(long)]
+    mannequin: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -38,7 +41,11 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
         return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
     }
     console.files.plan([], [args.out.as_path()])?;
-    let character = made(args.triangles, console)?;
+    let options = HumanOptions {
+        triangles: args.triangles,
+        face: !args.mannequin,
+    };
+    let character = made(&options, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     let bytes = document.write_glb().context("the reference human")?;
     console.files.write(&args.out, &bytes)?;
@@ -64,8 +71,9 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
     })
 }
 
-/// The reference human with approximately this number of triangles.
-pub(crate) fn made(triangles: usize, console: &Console) -> anyhow::Result<Character> {
+/// The reference human.
+pub(crate) fn made(options: &HumanOptions, console: &Console) -> anyhow::Result<Character> {
+    let triangles = options.triangles;
     if !TRIANGLES.contains(&triangles) {
         return Err(fault::usage(format!(
             "--triangles {triangles}: the reference human has {} to {} triangles",
@@ -74,7 +82,7 @@ pub(crate) fn made(triangles: usize, console: &Console) -> anyhow::Result<Charac
         )));
     }
     let bar = console.progress("building the human", 1);
-    let character = human(&HumanOptions { triangles }).context("the reference human")?;
+    let character = human(options).context("the reference human")?;
     bar.finish_and_clear();
     Ok(character)
 }

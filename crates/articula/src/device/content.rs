@@ -29,7 +29,7 @@ enum Scene {
 
 impl BenchmarkContent {
     /// Makes the content of an application from a figure. The reference human
-    /// ([`reference_human`](crate::reference_human)) gives scores that can be compared.
+    /// ([`reference_mannequin`](crate::reference_human)) gives scores that can be compared.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the figure has no mesh or clip, or for [`Application::Face`] no face.
