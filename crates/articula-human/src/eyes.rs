@@ -78,8 +78,8 @@ pub(crate) fn lid(lid: Lid, columns: usize, rows: usize) -> Surface {
         add(LID[0] + 0.0002, rim);
         add(LID[1] - 0.0003, rim);
         for j in 1..=rows {
-            // Rows are close near the rim, which is round.
-            let t = (j as f32 / rows as f32).powf(1.6);
+            // Rows are closer near the rim, which is round.
+            let t = (j as f32 / rows as f32).powf(1.2);
             add(LID[1], rim + (end - rim) * t);
         }
     }
@@ -117,7 +117,6 @@ pub(crate) fn facing(mut surface: Surface, direction: impl Fn(Vec3) -> Vec3) -> 
 }
 
 /// Where a point of a lid is at a closing from 0 to 1.
-#[allow(dead_code)]
 pub(crate) fn closing(lid: Lid, p: Vec3, amount: f32) -> Vec3 {
     let arm = p - EYE;
     let radius = arm.length();

@@ -18,6 +18,7 @@
 //! Not included: files. Simplification is that of `articula-build`.
 
 mod body;
+mod expression;
 mod eyes;
 mod field;
 mod foot;
@@ -25,8 +26,10 @@ mod gait;
 mod gestures;
 mod hand;
 mod head;
+mod jaw;
 mod leg;
 mod mannequin;
+mod morphs;
 mod motion;
 mod mouth;
 mod person;

@@ -10,6 +10,15 @@ use std::f32::consts::FRAC_PI_2;
 /// Distance of the corners of the mouth from the middle.
 pub(crate) const CORNER: f32 = 0.0235;
 
+/// Half the width of the opening behind the lips: farther out both lips move alike.
+pub(crate) const OPENING: f32 = CORNER - 0.003;
+
+/// 1 in the middle of the mouth, falling smoothly to 0 where its opening ends.
+pub(crate) fn parting(x: f32) -> f32 {
+    let along = (x.abs() / (OPENING - 1e-3)).powi(3);
+    (1.0 - along).max(0.0).powi(2)
+}
+
 /// Height of the line between the lips in the middle.
 pub(crate) const LINE: f32 = 1.569;
 
@@ -38,7 +47,7 @@ pub(crate) fn carved(head: Group) -> Group {
         Join::Carve(0.001),
     )
     .with(
-        e([0.0, LINE, z - 0.006], [CORNER - 0.003, SLOT, 0.016]),
+        e([0.0, LINE, z - 0.006], [OPENING, SLOT, 0.016]),
         Join::Carve(0.0005),
     )
 }
@@ -100,8 +109,8 @@ pub(crate) fn teeth(head: &Group, side: Side, columns: usize) -> Surface {
     let z = on_skin(head, [0.0, LINE], 0.0).z;
     // Heights of the gum and the edge; the lower row closes behind the upper one.
     let (rows, radius, front) = match side {
-        Side::Upper => ([0.0085, 0.001, -0.0015], [0.0192, 0.022], z - 0.0078),
-        Side::Lower => ([-0.0095, -0.0035, -0.0012], [0.0178, 0.02], z - 0.0098),
+        Side::Upper => ([0.0085, 0.0, -0.0028], [0.0192, 0.022], z - 0.0078),
+        Side::Lower => ([-0.0115, -0.006, -0.0034], [0.0178, 0.02], z - 0.0098),
     };
     let mut out = Surface::default();
     for i in 0..=columns {
@@ -136,7 +145,7 @@ pub(crate) fn tongue(head: &Group, columns: usize) -> Surface {
             let thick = 0.005 * (1.0 - (1.0 - along).powi(3)).max(0.05);
             let x = if i == 0 { 0.0 } else { wide * turn.sin() };
             let groove = 0.0008 * (1.0 - turn.sin());
-            let y = LINE - 0.0085 + thick * turn.cos() - groove * along + 0.003 * along;
+            let y = LINE - 0.0105 + thick * turn.cos() - groove * along + 0.003 * along;
             out.positions
                 .push(Vec3::new(x, y, z - 0.0135 - 0.026 * along));
         }

@@ -1,11 +1,12 @@
 //! The human with a face as a character: meshes, materials and clips.
 
 use crate::body::Body;
+use crate::expression::{self, Expressions};
 use crate::eyes::EYE;
 use crate::person_pieces::{Piece, Sheet, pieces};
 use crate::polygonise::Surface;
 use crate::primitive::{materials, mesh, part, rigid, skin};
-use crate::{gait, gestures, person_head, skeleton};
+use crate::{gait, gestures, morphs, person_head, skeleton};
 use articula_core::source::{Character, Primitive, RawMesh, Skeleton};
 use glam::{Affine3A, Vec3};
 
@@ -54,16 +55,24 @@ fn skeleton() -> Skeleton {
 
 /// Face, body and hair; the bare skin of the head belongs to the face, that of the arms to the body.
 fn meshes(body: &Body, pieces: &[Piece]) -> Vec<RawMesh> {
+    let expressions = Expressions::new(&person_head::closed_head());
     let [mut face, mut clothes, mut hair] = [const { Vec::new() }; 3];
     for piece in pieces {
         match piece.sheet {
             Sheet::Skin => {
-                let (head, rest) = skin_parts(body, &piece.surface);
+                let (mut head, rest) = skin_parts(body, &piece.surface);
+                for part in &mut head {
+                    morphs::add(part, Sheet::Skin, &expressions);
+                }
                 face.extend(head);
                 clothes.extend(rest);
             }
             Sheet::Hair => hair.push(small_piece(piece)),
-            _ => face.push(small_piece(piece)),
+            sheet => {
+                let mut part = small_piece(piece);
+                morphs::add(&mut part, sheet, &expressions);
+                face.push(part);
+            }
         }
     }
     let mut meshes = vec![
@@ -71,6 +80,8 @@ fn meshes(body: &Body, pieces: &[Piece]) -> Vec<RawMesh> {
         mesh("body", clothes),
         mesh("hair", hair),
     ];
+    meshes[0].morph_names = expression::names();
+    meshes[0].morph_weights = vec![0.0; meshes[0].morph_names.len()];
     // The mesh binds to the centres of the mannequin.
     for mesh in &mut meshes {
         for (name, sign) in [("l_eyeball_joint", 1.0), ("r_eyeball_joint", -1.0)] {

@@ -69,7 +69,7 @@ fn small_pieces(triangles: usize) -> Vec<Piece> {
         pieces.push(piece(lip, Sheet::Lip(side), material::LIPS));
     }
     for lid in [Lid::Upper, Lid::Lower] {
-        let lids = both_sides(&eyes::lid(lid, count(14.0, 6), count(3.0, 1)));
+        let lids = both_sides(&eyes::lid(lid, count(14.0, 6), count(4.0, 4)));
         pieces.push(piece(lids, Sheet::Lid(lid), material::LIDS));
     }
     let brow = solid(&person_head::brow(&closed), triangles / 130, 0.0008);

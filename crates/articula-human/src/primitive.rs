@@ -86,21 +86,27 @@ pub(crate) fn part(whole: &Primitive, triangles: &[[u32; 3]], material: usize) -
 /// a fold of the field, the gradient alone would shade it dark.
 fn normals(surface: &Surface, field: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
     let positions = &surface.positions;
+    let own = triangle_normals(positions, &surface.triangles);
+    let blended = positions.iter().zip(own).map(|(p, own)| {
+        let smooth = field(*p);
+        let mirrored = Vec3::new(if p.x == 0.0 { 0.0 } else { 1.0 }, 1.0, 1.0);
+        let normal = (smooth + own) * mirrored;
+        normal.try_normalize().unwrap_or(smooth)
+    });
+    blended.collect()
+}
+
+/// Unit normals of the vertices as sums of those of their triangles, weighted by the angles.
+pub(crate) fn triangle_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; positions.len()];
-    for t in &surface.triangles {
+    for t in triangles {
         let corner = |i: usize| positions[t[i % 3] as usize];
         for i in 0..3 {
             let (a, b) = (corner(i + 1) - corner(i), corner(i + 2) - corner(i));
             sums[t[i] as usize] += a.cross(b).normalize_or_zero() * a.angle_between(b);
         }
     }
-    let blended = positions.iter().zip(sums).map(|(p, sum)| {
-        let smooth = field(*p);
-        let mirrored = Vec3::new(if p.x == 0.0 { 0.0 } else { 1.0 }, 1.0, 1.0);
-        let normal = (smooth + sum.normalize_or_zero()) * mirrored;
-        normal.try_normalize().unwrap_or(smooth)
-    });
-    blended.collect()
+    sums.into_iter().map(Vec3::normalize_or_zero).collect()
 }
 
 /// A surface bound rigidly to one joint per vertex.

@@ -4,6 +4,7 @@
     reason = "a failed step of a test is a failed test"
 )]
 
+use articula_core::arkit_table::BLEND_SHAPES;
 use articula_core::source::{Character, Primitive, RawMesh};
 use articula_human::{HumanOptions, human};
 use glam::Vec3;
@@ -143,4 +144,213 @@ fn eyes_are_larger_than_the_mannequins_and_brows_taper_outwards() {
         half_width(&brows, 0.045, 0.06),
     );
     assert!(inner > 1.3 * outer, "{inner} and {outer}");
+}
+
+/// Positions of a primitive of the face with one blend shape at weight 1.
+fn shaped(face: &RawMesh, primitive: &Primitive, name: &str) -> Vec<Vec3> {
+    let index = face.morph_names.iter().position(|n| n == name).unwrap();
+    let offsets = &primitive.morphs[index].positions;
+    primitive
+        .positions
+        .iter()
+        .zip(offsets)
+        .map(|(p, o)| *p + *o)
+        .collect()
+}
+
+#[test]
+fn the_morph_targets_are_the_52_of_arkit() {
+    for count in COUNTS {
+        let face = mesh(of(count), "face");
+        let names = BLEND_SHAPES.iter().map(|shape| shape.name);
+        assert!(face.morph_names.iter().map(String::as_str).eq(names));
+        assert_eq!(face.morph_weights, [0.0; 52]);
+        for (index, name) in face.morph_names.iter().enumerate() {
+            let offsets = face
+                .primitives
+                .iter()
+                .flat_map(|p| &p.morphs[index].positions);
+            let largest = offsets.map(|o| o.length()).fold(0.0, f32::max);
+            // Every shape is seen, and none leaves the head.
+            assert!(
+                (0.001..0.04).contains(&largest),
+                "{name} at {count}: {largest}"
+            );
+        }
+    }
+}
+
+/// Height in metres of the largest gap between the lids through which an eyeball is seen from the front.
+fn seen_eyeball(character: &Character, shape: Option<&str>, left: bool) -> f32 {
+    const PIXEL: f32 = 1e-4;
+    const SIZE: usize = 500;
+    let face = mesh(character, "face");
+    let low = Vec3::new(if left { 0.0325 } else { -0.0325 } - 0.025, 1.6082, 0.0);
+    let mut depth = vec![(f32::MIN, false); SIZE * SIZE];
+    for primitive in &face.primitives {
+        let name = &character.materials[primitive.material.unwrap()].name;
+        let is_eyeball = ["sclera", "iris", "pupil"].contains(&name.as_str());
+        let positions = match shape {
+            Some(shape) => shaped(face, primitive, shape),
+            None => primitive.positions.clone(),
+        };
+        for t in &primitive.triangles {
+            draw(
+                t.map(|v| (positions[v as usize] - low) / PIXEL),
+                SIZE,
+                |at, z| {
+                    if z > depth[at].0 {
+                        depth[at] = (z, is_eyeball);
+                    }
+                },
+            );
+        }
+    }
+    let mut tallest = 0;
+    for x in 0..SIZE {
+        let mut run = 0;
+        for y in 0..SIZE {
+            run = if depth[y * SIZE + x].1 { run + 1 } else { 0 };
+            tallest = tallest.max(run);
+        }
+    }
+    tallest as f32 * PIXEL
+}
+
+/// Calls `put` with the index and the depth of each pixel whose centre a triangle covers.
+fn draw([a, b, c]: [Vec3; 3], size: usize, mut put: impl FnMut(usize, f32)) {
+    let cross = |p: Vec3, q: Vec3, r: Vec3| (q - p).truncate().perp_dot((r - p).truncate());
+    let area = cross(a, b, c);
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    let range = |from: f32, to: f32| {
+        let limit = |v: f32| v.clamp(0.0, size as f32) as usize;
+        limit(from)..limit(to + 1.0)
+    };
+    for y in range(low.y, high.y) {
+        for x in range(low.x, high.x) {
+            let p = Vec3::new(x as f32 + 0.5, y as f32 + 0.5, 0.0);
+            let [u, v, w] = [cross(b, c, p), cross(c, a, p), cross(a, b, p)].map(|s| s / area);
+            if u >= 0.0 && v >= 0.0 && w >= 0.0 {
+                put(y * size + x, u * a.z + v * b.z + w * c.z);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_blink_hides_the_eyeball_and_an_open_eye_shows_it() {
+    for count in COUNTS {
+        for (left, shape, other) in [
+            (true, "eyeBlinkLeft", "eyeBlinkRight"),
+            (false, "eyeBlinkRight", "eyeBlinkLeft"),
+        ] {
+            let seen = |shape| seen_eyeball(of(count), shape, left);
+            let open = seen(None);
+            assert!((0.007..0.014).contains(&open), "{open} at {count}");
+            assert_eq!(seen(Some(other)), open);
+            let gap = seen(Some(shape));
+            assert!(gap <= 3e-4, "{shape} leaves {gap} m at {count}");
+            assert!(seen(Some(&shape.replace("Blink", "Wide"))) > open + 0.001);
+        }
+    }
+}
+
+#[test]
+fn no_triangle_is_turned_over_by_a_shape() {
+    let mut turned = Vec::new();
+    for count in COUNTS {
+        let face = mesh(of(count), "face");
+        for name in &face.morph_names {
+            for primitive in &face.primitives {
+                let mut moved = shaped(face, primitive, name);
+                if name == "mouthClose" {
+                    // It closes the lips over an open jaw and is not shown without it.
+                    let open = shaped(face, primitive, "jawOpen");
+                    for ((p, open), rest) in moved.iter_mut().zip(open).zip(&primitive.positions) {
+                        *p += open - *rest;
+                    }
+                }
+                for t in &primitive.triangles {
+                    let area = |points: &[Vec3]| {
+                        let [a, b, c] = t.map(|v| points[v as usize]);
+                        (b - a).cross(c - a)
+                    };
+                    let (before, after) = (area(&primitive.positions), area(&moved));
+                    let material = &of(count).materials[primitive.material.unwrap()].name;
+                    let at = primitive.positions[t[0] as usize];
+                    if before.dot(after) <= 0.0 {
+                        turned.push(format!("{name}: {material} at {at}, {count}"));
+                    }
+                }
+            }
+        }
+    }
+    assert!(turned.is_empty(), "{}: {turned:#?}", turned.len());
+}
+
+#[test]
+fn shapes_of_both_sides_are_mirror_images() {
+    let flip = Vec3::new(-1.0, 1.0, 1.0);
+    let bits = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
+    let face = mesh(of(12_000), "face");
+    for (index, name) in face.morph_names.iter().enumerate() {
+        let twin = match (name.strip_suffix("Left"), name.strip_suffix("Right")) {
+            (Some(stem), _) => format!("{stem}Right"),
+            (_, Some(stem)) => format!("{stem}Left"),
+            _ => name.clone(),
+        };
+        let twin = face.morph_names.iter().position(|n| *n == twin).unwrap();
+        for primitive in &face.primitives {
+            let [here, there] = [index, twin].map(|i| &primitive.morphs[i].positions);
+            let places = primitive.positions.iter().enumerate();
+            let places: HashMap<_, usize> = places.map(|(v, p)| (bits(*p), v)).collect();
+            for (v, p) in primitive.positions.iter().enumerate() {
+                let other = places[&bits(*p * flip)];
+                let difference = here[v].distance(there[other] * flip);
+                assert!(difference < 1e-6, "{name} at {p}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_jaw_opens_the_mouth_and_lips_can_stay_closed() {
+    for count in COUNTS {
+        let face = mesh(of(count), "face");
+        let lips: Vec<&Primitive> = face
+            .primitives
+            .iter()
+            .filter(|p| of_material(of(count), "lips").contains(p))
+            .collect();
+        let [upper, lower] = lips[..] else {
+            panic!("two lips")
+        };
+        // The inner contours lie together at rest.
+        let pairs: Vec<(usize, usize)> = (0..upper.positions.len())
+            .filter_map(|v| {
+                let same = |q: &Vec3| q.distance(upper.positions[v]) < 1e-5;
+                Some((v, lower.positions.iter().position(same)?))
+            })
+            .collect();
+        assert!(pairs.len() >= 9, "{} at {count}", pairs.len());
+        let gap = |names: &[&str]| {
+            let at = |p: &Primitive, v: usize| {
+                let moved = names.iter().map(|n| shaped(face, p, n)[v] - p.positions[v]);
+                p.positions[v] + moved.sum::<Vec3>()
+            };
+            let gaps = pairs
+                .iter()
+                .map(|(v, w)| at(upper, *v).distance(at(lower, *w)));
+            gaps.fold(0.0, f32::max)
+        };
+        // An adult opens a mouth by 15 to 50 mm.
+        assert!(
+            (0.015..0.05).contains(&gap(&["jawOpen"])),
+            "{}",
+            gap(&["jawOpen"])
+        );
+        assert!(gap(&["jawOpen", "mouthClose"]) < 3e-4);
+        assert!(gap(&["mouthPucker"]) < 3e-4);
+        assert!(gap(&["mouthFunnel"]) > 0.004);
+    }
 }
