@@ -32,6 +32,7 @@ mod mannequin;
 mod morphs;
 mod motion;
 mod mouth;
+mod performance;
 mod person;
 mod person_head;
 mod person_pieces;

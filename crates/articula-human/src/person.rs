@@ -6,7 +6,7 @@ use crate::eyes::EYE;
 use crate::person_pieces::{Piece, Sheet, pieces};
 use crate::polygonise::Surface;
 use crate::primitive::{materials, mesh, part, rigid, skin};
-use crate::{gait, gestures, morphs, person_head, skeleton};
+use crate::{gait, gestures, morphs, performance, person_head, skeleton};
 use articula_core::source::{Character, Primitive, RawMesh, Skeleton};
 use glam::{Affine3A, Vec3};
 
@@ -37,7 +37,12 @@ pub(crate) fn character(triangles: usize) -> Character {
         skeleton: skeleton(),
         articulation: Some(skeleton::articulation()),
         meshes: meshes(&body, &pieces),
-        clips: vec![gestures::idle(), gait::walk(), gestures::wave()],
+        clips: vec![
+            performance::idle(),
+            gait::walk(),
+            gestures::wave(),
+            performance::talk(),
+        ],
         materials: materials(&MATERIALS),
         ..Character::default()
     }

@@ -5,7 +5,7 @@
 )]
 
 use articula_core::arkit_table::BLEND_SHAPES;
-use articula_core::source::{Character, Primitive, RawMesh};
+use articula_core::source::{Character, Primitive, Property, RawMesh};
 use articula_human::{HumanOptions, human};
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
@@ -352,5 +352,63 @@ fn the_jaw_opens_the_mouth_and_lips_can_stay_closed() {
         assert!(gap(&["jawOpen", "mouthClose"]) < 3e-4);
         assert!(gap(&["mouthPucker"]) < 3e-4);
         assert!(gap(&["mouthFunnel"]) > 0.004);
+    }
+}
+
+#[test]
+fn clips_blink_look_and_speak_and_loop_exactly() {
+    let character = of(2_000);
+    let names: Vec<&str> = character.clips.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["idle", "walk", "wave", "talk"]);
+    for name in ["idle", "talk"] {
+        let clip = character.clips.iter().find(|c| c.name == name).unwrap();
+        for channel in &clip.channels {
+            let size = channel.values.len() / channel.times_secs.len();
+            let last = channel.values.len() - size;
+            assert_eq!(channel.values[..size], channel.values[last..], "{name}");
+        }
+        let face = clip
+            .channels
+            .iter()
+            .find(|c| c.property == Property::Weights)
+            .unwrap();
+        assert_eq!(character.meshes[face.target].name, "face");
+        assert!(face.values.iter().all(|w| (0.0..=1.0).contains(w)));
+        let of_shape = |shape: &str| -> Vec<f32> {
+            let index = BLEND_SHAPES.iter().position(|s| s.name == shape).unwrap();
+            face.values.chunks_exact(52).map(|key| key[index]).collect()
+        };
+        // Adults blink 10 to 40 times per minute; both eyes together and wholly.
+        let closed = of_shape("eyeBlinkLeft");
+        assert_eq!(closed, of_shape("eyeBlinkRight"));
+        let blinks = closed
+            .windows(2)
+            .filter(|w| w[0] < 0.9 && w[1] >= 0.9)
+            .count();
+        let per_minute = 60.0 * blinks as f32 / clip.duration_secs;
+        assert!((10.0..=40.0).contains(&per_minute), "{name}: {per_minute}");
+        let jaw = of_shape("jawOpen");
+        let opened = jaw
+            .windows(3)
+            .filter(|w| w[1] > 0.1 && w[1] > w[0] && w[1] >= w[2])
+            .count();
+        assert_eq!(
+            opened >= 5,
+            name == "talk",
+            "{name} opens the jaw {opened} times"
+        );
+        let eye = |side: &str| {
+            let name = format!("{side}_eyeball_joint");
+            let joint = character
+                .skeleton
+                .joints
+                .iter()
+                .position(|j| j.name == name)
+                .unwrap();
+            clip.channels
+                .iter()
+                .find(|c| c.property == Property::Rotation && c.target == joint)
+        };
+        assert_eq!(eye("l").unwrap().values, eye("r").unwrap().values, "{name}");
     }
 }
