@@ -14,7 +14,7 @@ pub(crate) const EYE_RADIUS: f32 = 0.0158;
 const LID: [f32; 2] = [EYE_RADIUS + 0.0007, EYE_RADIUS + 0.0018];
 
 /// Longitude of the corners of the eye about the vertical, seen from its centre.
-const CORNER: f32 = 0.98;
+pub(crate) const CORNER: f32 = 0.98;
 
 /// Latitudes about the axis through the corners at which the lids end, below the skin.
 const HIDDEN: [f32; 2] = [1.2, -1.05];
@@ -53,6 +53,11 @@ pub(crate) fn rim(lid: Lid, longitude: f32) -> f32 {
     };
     let bent = along - lean * (1.0 - along * along);
     closed(longitude) + height * (1.0 - bent * bent).max(0.0).powf(0.8)
+}
+
+/// A point of the rim of an open lid.
+pub(crate) fn rim_point(lid: Lid, longitude: f32) -> Vec3 {
+    EYE + direction(longitude, rim(lid, longitude)) * LID[1]
 }
 
 /// Latitude at which a lid ends below the skin.

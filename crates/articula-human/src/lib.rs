@@ -27,6 +27,7 @@ mod gestures;
 mod hand;
 mod head;
 mod jaw;
+mod landmarks;
 mod leg;
 mod mannequin;
 mod morphs;
@@ -45,6 +46,7 @@ mod thin;
 mod weights;
 
 use articula_core::source::Character;
+pub use landmarks::{FeaturePoint, feature_points};
 use std::ops::RangeInclusive;
 
 /// Supported triangle counts of [`human`].

@@ -52,19 +52,38 @@ pub(crate) fn carved(head: Group) -> Group {
     )
 }
 
+/// Share of the way to the corner of the summits of Cupid's bow.
+pub(crate) const BOW: f32 = 0.27;
+
 /// Height of a lip at a share of the way to the corner.
 fn height(side: Side, along: f32) -> f32 {
     let round = (1.0 - along * along).max(0.0).powf(0.62);
     match side {
         // The bow: two summits beside a dip.
         Side::Upper => {
-            let bow = 0.0009 * (-((along - 0.27) / 0.2).powi(2)).exp();
+            let bow = 0.0009 * (-((along - BOW) / 0.2).powi(2)).exp();
             let dip = 0.0006 * (-(along / 0.12).powi(2)).exp();
             0.0062 * round + bow - dip
         }
         Side::Lower => 0.0078 * round,
     }
 }
+
+/// The place between the lips at a distance from the middle.
+pub(crate) fn inner_contour(head: &Group, x: f32) -> Vec3 {
+    let p = on_skin(head, [x, line(x)], INNER);
+    Vec3::new(x, line(x), p.z)
+}
+
+/// Where a lip begins, at a share of the way to the corner: x and y.
+pub(crate) fn outer_contour(side: Side, along: f32) -> [f32; 2] {
+    let sign = if side == Side::Upper { 1.0 } else { -1.0 };
+    let x = 1.04 * CORNER * along;
+    [x, line(x) + sign * height(side, along)]
+}
+
+/// Lift above the skin of the line where the lips touch, in metres.
+const INNER: f32 = -0.0012;
 
 /// The left half of a lip: columns from the middle to the corner, each from the outer contour over
 /// the lip to its inner face.
@@ -78,7 +97,7 @@ pub(crate) fn lip(head: &Group, side: Side, columns: usize) -> Surface {
         (0.62, 0.0029 * fullness),
         (0.28, 0.0035 * fullness),
         (0.06, 0.0016),
-        (0.0, -0.0012),
+        (0.0, INNER),
     ];
     let mut out = Surface::default();
     for i in 0..=columns {
@@ -104,21 +123,36 @@ pub(crate) fn lip(head: &Group, side: Side, columns: usize) -> Surface {
     facing(out, |_| Vec3::Z)
 }
 
-/// The left half of a row of teeth.
-pub(crate) fn teeth(head: &Group, side: Side, columns: usize) -> Surface {
+/// Heights above the line of the mouth of gum, crown and edge of a row of teeth, half its width and
+/// depth, and the z of its front; the lower row closes behind the upper one.
+fn dental_arch(head: &Group, side: Side) -> ([f32; 3], [f32; 2], f32) {
     let z = on_skin(head, [0.0, LINE], 0.0).z;
-    // Heights of the gum and the edge; the lower row closes behind the upper one.
-    let (rows, radius, front) = match side {
+    match side {
         Side::Upper => ([0.0085, 0.0, -0.0028], [0.0192, 0.022], z - 0.0078),
         Side::Lower => ([-0.0115, -0.006, -0.0034], [0.0178, 0.02], z - 0.0098),
-    };
+    }
+}
+
+/// The point in the middle of a row of teeth at its gum (0), crown (1) or edge (2).
+pub(crate) fn teeth_point(head: &Group, side: Side, row: usize) -> Vec3 {
+    let (rows, _, front) = dental_arch(head, side);
+    let in_bite = if row == 2 { IN_BITE } else { 0.0 };
+    Vec3::new(0.0, LINE + rows[row], front - in_bite)
+}
+
+/// How far the edges of teeth lie behind their crowns, in metres.
+const IN_BITE: f32 = 0.0006;
+
+/// The left half of a row of teeth.
+pub(crate) fn teeth(head: &Group, side: Side, columns: usize) -> Surface {
+    let (rows, radius, front) = dental_arch(head, side);
     let mut out = Surface::default();
     for i in 0..=columns {
         let turn = i as f32 / columns as f32 * 1.35;
         let x = if i == 0 { 0.0 } else { radius[0] * turn.sin() };
         let back = radius[1] * (1.0 - turn.cos());
         for (row, y) in rows.iter().enumerate() {
-            let in_bite = if row == 2 { 0.0006 } else { 0.0 };
+            let in_bite = if row == 2 { IN_BITE } else { 0.0 };
             out.positions
                 .push(Vec3::new(x, LINE + y, front - back - in_bite));
         }
@@ -131,6 +165,26 @@ pub(crate) fn teeth(head: &Group, side: Side, columns: usize) -> Surface {
     facing(out, |_| Vec3::Z)
 }
 
+/// A point of the tongue: the tip at 0, the root at 1 along; from its middle at 0 to its border.
+fn on_tongue(z: f32, along: f32, turn: f32) -> Vec3 {
+    // Narrow and thin at the tip.
+    let wide = 0.0145 * (1.0 - (1.0 - along).powi(2)).sqrt().max(0.02);
+    let thick = 0.005 * (1.0 - (1.0 - along).powi(3)).max(0.05);
+    let groove = 0.0008 * (1.0 - turn.sin());
+    let y = LINE - 0.0105 + thick * turn.cos() - groove * along + 0.003 * along;
+    Vec3::new(wide * turn.sin(), y, z - 0.0135 - 0.026 * along)
+}
+
+/// A feature point of the tongue: its tip (1), its middle (2) or its left border (3).
+pub(crate) fn tongue_point(head: &Group, number: u8) -> Vec3 {
+    let z = on_skin(head, [0.0, LINE], 0.0).z;
+    match number {
+        1 => on_tongue(z, 0.0, 0.0),
+        2 => on_tongue(z, 0.5, 0.0),
+        _ => on_tongue(z, 0.5, FRAC_PI_2),
+    }
+}
+
 /// The left half of the tongue: a flat dome behind the lower teeth.
 pub(crate) fn tongue(head: &Group, columns: usize) -> Surface {
     let z = on_skin(head, [0.0, LINE], 0.0).z;
@@ -138,17 +192,8 @@ pub(crate) fn tongue(head: &Group, columns: usize) -> Surface {
     let rows = columns.max(3) + 1;
     for i in 0..=columns {
         let turn = FRAC_PI_2 * i as f32 / columns as f32;
-        for j in 0..=rows {
-            let along = j as f32 / rows as f32;
-            // From the tip backwards; narrow at the tip.
-            let wide = 0.0145 * (1.0 - (1.0 - along).powi(2)).sqrt().max(0.02);
-            let thick = 0.005 * (1.0 - (1.0 - along).powi(3)).max(0.05);
-            let x = if i == 0 { 0.0 } else { wide * turn.sin() };
-            let groove = 0.0008 * (1.0 - turn.sin());
-            let y = LINE - 0.0105 + thick * turn.cos() - groove * along + 0.003 * along;
-            out.positions
-                .push(Vec3::new(x, y, z - 0.0135 - 0.026 * along));
-        }
+        let column = (0..=rows).map(|j| on_tongue(z, j as f32 / rows as f32, turn));
+        out.positions.extend(column);
     }
     quads(&mut out, columns, rows + 1);
     facing(out, |_| Vec3::Y)

@@ -60,7 +60,7 @@ const SPEECH: [(f32, &[(&str, f32)]); 20] = [
     (2.70, &[("jawOpen", 0.5), ("mouthLowerDown", 0.1)]),
     (2.84, &[("jawOpen", 0.22), ("mouthFunnel", 0.45)]),
     (3.00, &[("jawOpen", 0.48)]),
-    (3.14, &[("jawOpen", 0.2), ("mouthFunnel", 0.2)]),
+    (3.15, &[("jawOpen", 0.2), ("mouthFunnel", 0.2)]),
     (3.28, &[("jawOpen", 0.12), ("mouthPucker", 0.7)]),
     (3.42, &[("jawOpen", 0.06), ("mouthPucker", 0.35)]),
     (3.70, &[("mouthSmile", 0.3)]),

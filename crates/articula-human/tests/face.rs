@@ -5,8 +5,9 @@
 )]
 
 use articula_core::arkit_table::BLEND_SHAPES;
+use articula_core::feature_points::{FEATURE_POINTS, PointId};
 use articula_core::source::{Character, Primitive, Property, RawMesh};
-use articula_human::{HumanOptions, human};
+use articula_human::{HumanOptions, feature_points, human};
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
@@ -411,4 +412,62 @@ fn clips_blink_look_and_speak_and_loop_exactly() {
         };
         assert_eq!(eye("l").unwrap().values, eye("r").unwrap().values, "{name}");
     }
+}
+
+#[test]
+fn feature_points_are_all_84_mirrored_and_on_the_face() {
+    let points = feature_points();
+    let ids = FEATURE_POINTS.iter().map(|entry| entry.point);
+    assert!(points.iter().map(|p| p.point).eq(ids));
+    let place = |id: PointId| points.iter().find(|p| p.point == id).unwrap().position;
+    let vertices: Vec<Vec3> = [mesh(of(70_000), "face"), mesh(of(70_000), "hair")]
+        .iter()
+        .flat_map(|m| &m.primitives)
+        .flat_map(|p| &p.positions)
+        .copied()
+        .collect();
+    for entry in &FEATURE_POINTS {
+        let p = place(entry.point);
+        assert_eq!(
+            p * Vec3::new(-1.0, 1.0, 1.0),
+            place(entry.mirror),
+            "{:?}",
+            entry.point
+        );
+        // Left and right are the subject's, who looks along +Z.
+        let words: Vec<&str> = entry.place.split([' ', ',']).collect();
+        let right = words.iter().rev().find(|w| ["left", "right"].contains(w));
+        if entry.mirror != entry.point && entry.point.0 != 3 && entry.point.0 != 4 {
+            assert_eq!(p.x < 0.0, right == Some(&"right"), "{:?}", entry.point);
+        }
+        // The scalp below the hair has few vertices; the centre of the head's rotation lies within.
+        let reach = match entry.point {
+            (11, 4 | 6) => 0.015,
+            (7, 1) => 0.1,
+            _ => 0.004,
+        };
+        let distances = vertices.iter().map(|v| v.distance(p));
+        let nearest = distances.fold(f32::MAX, f32::min);
+        assert!(nearest < reach, "{:?}: {nearest} m", entry.point);
+    }
+    // Heights in the order of a face.
+    let column = [
+        (11, 5),
+        (11, 4),
+        (11, 1),
+        (4, 1),
+        (3, 5),
+        (9, 3),
+        (9, 15),
+        (8, 1),
+        (2, 2),
+        (8, 2),
+        (2, 10),
+        (2, 1),
+    ];
+    let heights = column.map(|id| place(id).y);
+    assert!(heights.is_sorted_by(|a, b| a > b), "{heights:?}");
+    // Ears reach from the brows to the base of the nose.
+    assert!((place((10, 1)).y - place((4, 1)).y).abs() < 0.006);
+    assert!((place((10, 5)).y - place((9, 15)).y).abs() < 0.015);
 }

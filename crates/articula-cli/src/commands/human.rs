@@ -5,8 +5,9 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::Format;
 use articula::core::source::Character;
+use articula::formats::face_points;
 use articula::formats::gltf::Document;
-use articula::human::{HumanOptions, TRIANGLES, human};
+use articula::human::{HumanOptions, TRIANGLES, feature_points, human};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -22,6 +23,9 @@ pub(crate) struct HumanArgs {
     /// Make the plain mannequin, without a face that moves, hair and clothes
     #[arg(long)]
     mannequin: bool,
+    /// Also write where the feature points of the face are, as they were constructed
+    #[arg(long, value_name = "F.json", conflicts_with = "mannequin")]
+    face_points: Option<PathBuf>,
 }
 
 #[derive(Debug, Serialize)]
@@ -40,7 +44,9 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
         let what = "the reference human is written as GLB; name the file .glb";
         return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
     }
-    console.files.plan([], [args.out.as_path()])?;
+    let outputs = [Some(&args.out), args.face_points.as_ref()];
+    let outputs = outputs.into_iter().flatten().map(PathBuf::as_path);
+    console.files.plan([], outputs)?;
     let options = HumanOptions {
         triangles: args.triangles,
         face: !args.mannequin,
@@ -49,6 +55,11 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
     let document = Document::from_character(&character).context("the reference human")?;
     let bytes = document.write_glb().context("the reference human")?;
     console.files.write(&args.out, &bytes)?;
+    if let Some(path) = &args.face_points {
+        let points = feature_points().into_iter();
+        let places: Vec<_> = points.map(|p| (p.point, p.position)).collect();
+        console.files.write(path, &face_points::write(&places))?;
+    }
     let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
     let written = Written {
         out: files::shown(&args.out),
