@@ -126,7 +126,7 @@ pub(crate) mod small_human {
     pub(crate) fn small_human() -> &'static Asset {
         static HUMAN: OnceLock<Asset> = OnceLock::new();
         HUMAN.get_or_init(|| {
-            let source = human(&HumanOptions { triangles: 2000 }).unwrap();
+            let source = human(&HumanOptions::mannequin(2000)).unwrap();
             character(&source, None, &ClipOptions::default()).unwrap()
         })
     }

@@ -28,7 +28,7 @@
 //! use articula_build::{ClipOptions, SimplifyOptions, character, simplify};
 //! use articula_human::{HumanOptions, human};
 //!
-//! let source = human(&HumanOptions { triangles: 2_000 })?;
+//! let source = human(&HumanOptions::mannequin(2_000))?;
 //! let asset = character(&source, None, &ClipOptions::default())?;
 //! let options = SimplifyOptions {
 //!     targets: vec![1.0, 0.5],

@@ -91,3 +91,50 @@ pub(crate) fn foot() -> Group {
         Join::Carve(0.012),
     )
 }
+
+/// The shoe: a round toe cap, a flat sole and a low shaft.
+pub(crate) fn shoe() -> Group {
+    let add = Join::Add;
+    let flat = |a, b, radii, factor| Shape::flat_cone(a, b, radii, Vec3::X, factor);
+    Group::default()
+        .with(
+            flat(
+                [0.105, 0.036, -0.052],
+                [0.107, 0.034, 0.0],
+                [0.039, 0.036],
+                0.95,
+            ),
+            add(0.0),
+        )
+        .with(
+            flat(
+                [0.106, 0.075, -0.04],
+                [0.104, 0.1, -0.043],
+                [0.038, 0.041],
+                0.92,
+            ),
+            add(0.03),
+        )
+        .with(
+            flat(
+                [0.107, 0.056, -0.015],
+                [0.113, 0.034, 0.075],
+                [0.033, 0.027],
+                1.1,
+            ),
+            add(0.03),
+        )
+        .with(
+            flat(
+                [0.112, 0.026, 0.05],
+                [0.116, 0.022, 0.122],
+                [0.03, 0.0235],
+                1.5,
+            ),
+            add(0.025),
+        )
+        .with(
+            Shape::ellipsoid([0.11, -8.0, 0.02], [8.0, 8.0, 8.0], Mat3::IDENTITY),
+            Join::Carve(0.012),
+        )
+}

@@ -23,7 +23,7 @@ pub(crate) fn wave() -> RawClip {
 }
 
 /// Standing pose: one sway of the body and two breaths per cycle, all periodic.
-fn standing(phase: f32, amount: f32) -> Pose {
+pub(crate) fn standing(phase: f32, amount: f32) -> Pose {
     let once = |offset: f32| amount * (TAU * (phase - offset)).sin();
     let twice = |offset: f32| (2.0 * TAU * (phase - offset)).sin();
     let (shift, breath) = (once(0.0), twice(0.0));

@@ -9,7 +9,7 @@ use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use glam::{EulerRot, Quat, Vec3};
 
 /// Key rate in Hz.
-const RATE: f32 = 30.0;
+pub(crate) const RATE: f32 = 30.0;
 
 /// Side of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,7 +10,7 @@ use crate::thin::{Options, thinned};
 use glam::Vec3;
 
 /// Spacing of the samples of the skin, in metres: finer than half the radius of a finger.
-const SKIN_STEP: f32 = 0.0026;
+pub(crate) const SKIN_STEP: f32 = 0.0026;
 
 /// All surfaces, with both halves of the body.
 pub(crate) struct Pieces {
@@ -43,13 +43,7 @@ impl Pieces {
 
 /// The left half of the skin, with about `target` triangles.
 fn skin_half(body: &Body, target: usize) -> Surface {
-    let field = |p: Vec3| body.distance(p);
-    let grid = Grid::banded(
-        Vec3::new(0.0, -0.012, -0.15),
-        Vec3::new(0.3, 1.765, 0.185),
-        skin_step,
-    );
-    let fine = suit::cut(&polygonise(&grid, &field), body);
+    let fine = suit::cut(&fine_half(body, skin_step), body);
     let options = Options {
         target,
         mirrored: true,
@@ -58,8 +52,18 @@ fn skin_half(body: &Body, target: usize) -> Surface {
     thinned(&fine, &options)
 }
 
+/// The left half of a body with the samples spaced along each axis as given.
+pub(crate) fn fine_half(body: &Body, step: impl Fn(usize, f32) -> f32) -> Surface {
+    let grid = Grid::banded(
+        Vec3::new(0.0, -0.012, -0.15),
+        Vec3::new(0.3, 1.765, 0.185),
+        step,
+    );
+    polygonise(&grid, &|p: Vec3| body.distance(p))
+}
+
 /// Spacing of the samples along an axis (0 to 2) at a position on it.
-fn skin_step(axis: usize, at: f32) -> f32 {
+pub(crate) fn skin_step(axis: usize, at: f32) -> f32 {
     match (axis, at) {
         // Shins, knees and the trunk above the hands have no small features.
         (1, 0.13..0.64 | 0.89..1.47) => 2.0 * SKIN_STEP,
@@ -93,9 +97,15 @@ fn importance(p: Vec3) -> f32 {
 
 /// Surface of a small group, sampled every 0.6 mm and simplified.
 fn piece(group: &Group, target: usize) -> Surface {
+    solid(group, target, 0.0006)
+}
+
+/// Surface of a group, sampled at a spacing in metres and simplified.
+pub(crate) fn solid(group: &Group, target: usize, step: f32) -> Surface {
     let (low, high) = group.bounds();
-    let margin = Vec3::splat(0.003);
-    let grid = Grid::uniform(low - margin, high + margin, 0.0006);
+    // The surface may bulge beyond the bounds where shapes blend.
+    let margin = Vec3::splat((2.0 * step).max(0.003));
+    let grid = Grid::uniform(low - margin, high + margin, step);
     let field = |p: Vec3| group.distance(Vec3::new(p.x.abs(), p.y, p.z));
     let fine = polygonise(&grid, &field);
     let options = Options {
@@ -106,10 +116,10 @@ fn piece(group: &Group, target: usize) -> Surface {
     thinned(&fine, &options)
 }
 
-const FLIP: Vec3 = Vec3::new(-1.0, 1.0, 1.0);
+pub(crate) const FLIP: Vec3 = Vec3::new(-1.0, 1.0, 1.0);
 
 /// The whole of a half surface: vertices in x = 0 are shared, all others mirrored.
-fn mirrored(half: &Surface) -> Surface {
+pub(crate) fn mirrored(half: &Surface) -> Surface {
     let mut whole = half.clone();
     let twin: Vec<u32> = half
         .positions
@@ -133,7 +143,7 @@ fn mirrored(half: &Surface) -> Surface {
 }
 
 /// A closed surface and its mirror image.
-fn both_sides(one: &Surface) -> Surface {
+pub(crate) fn both_sides(one: &Surface) -> Surface {
     let count = one.positions.len() as u32;
     let mut both = one.clone();
     both.positions

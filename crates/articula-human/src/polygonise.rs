@@ -13,8 +13,8 @@ use std::collections::HashMap;
 pub(crate) struct Surface {
     pub(crate) positions: Vec<Vec3>,
     pub(crate) triangles: Vec<[u32; 3]>,
-    /// Tone of each triangle; empty if there is only one.
-    pub(crate) tones: Vec<bool>,
+    /// Tone of each triangle, by number; empty if there is only one.
+    pub(crate) tones: Vec<u8>,
 }
 
 /// Sample coordinates along each axis; the first two of x are mirror images.

@@ -23,26 +23,45 @@ pub(crate) fn depth(body: &Body, p: Vec3) -> f32 {
 }
 
 /// Moves a point near the border onto it and onto the surface.
-fn onto_border(body: &Body, from: Vec3, flat: bool) -> Vec3 {
+fn onto_border(body: &Body, depth: &impl Fn(Vec3) -> f32, from: Vec3, flat: bool) -> Vec3 {
     let field = |p: Vec3| body.distance(p);
     let mut p = from;
     for _ in 0..4 {
-        let slope = gradient(|q| depth(body, q), p);
+        let slope = gradient(depth, p);
         let normal = body.normal(p);
         // Along the surface, so that both conditions are met quickly.
         let along = slope - normal * slope.dot(normal);
-        let step = along * (depth(body, p) / along.length_squared().max(0.05));
+        let step = along * (depth(p) / along.length_squared().max(0.05));
         p = onto(&field, p - step.clamp_length_max(0.006), flat, 1);
     }
     p
 }
 
-/// Splits the triangles that the border crosses and assigns the tones.
+/// Splits the triangles that the border of the suit crosses and assigns the tones: bare, suit.
 pub(crate) fn cut(surface: &Surface, body: &Body) -> Surface {
+    let depth = |p: Vec3| depth(body, p);
+    let split = split(surface, body, &depth);
+    toned(split, |p| u8::from(depth(p) > 0.0))
+}
+
+/// Assigns the tone at the middle of each triangle.
+pub(crate) fn toned(mut surface: Surface, tone: impl Fn(Vec3) -> u8) -> Surface {
+    let middle = |t: &[u32; 3]| {
+        t.iter()
+            .map(|v| surface.positions[*v as usize])
+            .sum::<Vec3>()
+            / 3.0
+    };
+    surface.tones = surface.triangles.iter().map(|t| tone(middle(t))).collect();
+    surface
+}
+
+/// Splits the triangles that a border crosses, which is where `depth` is zero.
+pub(crate) fn split(surface: &Surface, body: &Body, depth: &impl Fn(Vec3) -> f32) -> Surface {
     /// Share of an edge within which its end is moved onto the border instead.
     const NEAR: f32 = 0.18;
     let mut out = surface.clone();
-    let mut depths: Vec<f32> = surface.positions.iter().map(|p| depth(body, *p)).collect();
+    let mut depths: Vec<f32> = surface.positions.iter().map(|p| depth(*p)).collect();
     let mut on_border = vec![false; depths.len()];
     let edges = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
     for (a, b) in surface.triangles.iter().flat_map(edges) {
@@ -78,14 +97,8 @@ pub(crate) fn cut(surface: &Surface, body: &Body) -> Surface {
         .zip(&on_border)
         .filter(|(_, on)| **on)
     {
-        *p = onto_border(body, *p, p.x == 0.0);
+        *p = onto_border(body, depth, *p, p.x == 0.0);
     }
-    let middle = |t: &[u32; 3]| t.iter().map(|v| out.positions[*v as usize]).sum::<Vec3>() / 3.0;
-    out.tones = out
-        .triangles
-        .iter()
-        .map(|t| depth(body, middle(t)) > 0.0)
-        .collect();
     out
 }
 

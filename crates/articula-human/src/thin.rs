@@ -1,8 +1,8 @@
 //! Simplification of a surface to a given number of triangles.
 //!
 //! It uses [`simplify`], so vertices of the finer surface stay where the distance field put them.
-//! This module adds the importance of errors by position, and makes the two tones parts of one
-//! mesh, so that their border is kept as a seam. The open rim of a half surface stays in its plane.
+//! This module adds the importance of errors by position, and makes the tones parts of one
+//! mesh, so that their borders are kept as seams. The open rim of a half surface stays in its plane.
 
 use crate::polygonise::Surface;
 use articula_build::{ErrorWeighting, SimplifyOptions, simplify};
@@ -47,7 +47,7 @@ pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
         level.expect("the lengths match the generated mesh, and the targets begin at 1 and fall");
     let mut out = Surface::default();
     let mut renamed = vec![u32::MAX; surface.positions.len()];
-    for (tone, part) in level.parts.iter().enumerate() {
+    for (tone, part) in (0..=u8::MAX).zip(&level.parts) {
         for t in &level.triangles[part.clone()] {
             out.triangles.push(t.map(|v| {
                 let v = originals[v as usize] as usize;
@@ -58,7 +58,7 @@ pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
                 renamed[v]
             }));
             if !surface.tones.is_empty() {
-                out.tones.push(tone == 1);
+                out.tones.push(tone);
             }
         }
     }
@@ -71,11 +71,12 @@ fn mesh(surface: &Surface) -> (Mesh, Vec<u32>) {
     let normals = normals(surface);
     let mut mesh = Mesh::default();
     let mut originals = Vec::new();
-    for tone in [false, true] {
+    let last = surface.tones.iter().max().copied().unwrap_or(1);
+    for tone in 0..=last.max(1) {
         let (first_vertex, first_triangle) = (originals.len(), mesh.triangles.len());
         let mut renamed = vec![u32::MAX; surface.positions.len()];
         for (t, triangle) in surface.triangles.iter().enumerate() {
-            if surface.tones.get(t).copied().unwrap_or(false) != tone {
+            if surface.tones.get(t).copied().unwrap_or(0) != tone {
                 continue;
             }
             mesh.triangles.push(triangle.map(|v| {

@@ -13,7 +13,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
 fn of(triangles: usize) -> Character {
-    human(&HumanOptions { triangles }).unwrap()
+    human(&HumanOptions::mannequin(triangles)).unwrap()
 }
 
 /// The human with the fewest triangles, created once.
@@ -25,7 +25,7 @@ fn smallest_human() -> &'static Character {
 /// The default human, of 12,000 triangles, created once.
 fn default_human() -> &'static Character {
     static HUMAN: OnceLock<Character> = OnceLock::new();
-    HUMAN.get_or_init(|| human(&HumanOptions::default()).unwrap())
+    HUMAN.get_or_init(|| human(&HumanOptions::mannequin(12_000)).unwrap())
 }
 
 /// Both tones of the skin as one surface: vertices at the same position are merged.
@@ -477,7 +477,7 @@ fn the_same_options_give_the_same_bytes() {
 #[test]
 fn a_count_out_of_range_names_the_range() {
     for triangles in [0, 1_999, 70_001, usize::MAX] {
-        let error = human(&HumanOptions { triangles }).unwrap_err();
+        let error = human(&HumanOptions::mannequin(triangles)).unwrap_err();
         assert_eq!(error, HumanError::Triangles { found: triangles });
         assert!(error.to_string().contains("2000 to 70000"), "{error}");
     }

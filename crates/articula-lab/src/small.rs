@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 /// The reference human with few triangles, for all tests of the program.
 pub(crate) fn human() -> &'static Asset {
     static HUMAN: LazyLock<Asset> = LazyLock::new(|| {
-        let source = articula_human::human(&HumanOptions { triangles: 2_000 }).unwrap();
+        let source = articula_human::human(&HumanOptions::mannequin(2_000)).unwrap();
         character(&source, None, &ClipOptions::default()).unwrap()
     });
     &HUMAN

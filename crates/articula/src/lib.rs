@@ -127,7 +127,7 @@ pub use mesh_levels::{
 pub use motion_tables::{MotionTables, StoredTables};
 pub use open::{
     CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,
-    choose, conversions, open, open_data, readable, reference_human,
+    choose, conversions, open, open_data, readable, reference_human, reference_mannequin,
 };
 #[cfg(feature = "prepare")]
 pub use prepare::{

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 /// The source character, of 2,000 triangles.
 pub(crate) fn of_2000() -> &'static Character {
     static HUMAN: OnceLock<Character> = OnceLock::new();
-    HUMAN.get_or_init(|| human(&HumanOptions { triangles: 2000 }).unwrap())
+    HUMAN.get_or_init(|| human(&HumanOptions::mannequin(2000)).unwrap())
 }
 
 /// The runtime character, of 2,000 triangles.
@@ -21,7 +21,7 @@ pub(crate) fn asset_of_2000() -> &'static Asset {
 pub(crate) fn asset_of_4000() -> &'static Asset {
     static HUMAN: OnceLock<Asset> = OnceLock::new();
     HUMAN.get_or_init(|| {
-        let source = human(&HumanOptions { triangles: 4000 }).unwrap();
+        let source = human(&HumanOptions::mannequin(4000)).unwrap();
         character(&source, None, &ClipOptions::default()).unwrap()
     })
 }

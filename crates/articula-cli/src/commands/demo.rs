@@ -171,7 +171,7 @@ fn make_asset(
 
 /// The file of the reference human.
 fn reference_human(console: &Console) -> anyhow::Result<Vec<u8>> {
-    let character = human::made(HumanOptions::default().triangles, console)?;
+    let character = human::made(&HumanOptions::default(), console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     Ok(document.write_glb()?)
 }

@@ -5,8 +5,9 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::Format;
 use articula::core::source::Character;
+use articula::formats::face_points;
 use articula::formats::gltf::Document;
-use articula::human::{HumanOptions, TRIANGLES, human};
+use articula::human::{HumanOptions, TRIANGLES, feature_points, human};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -19,6 +20,12 @@ pub(crate) struct HumanArgs {
     /// Number of triangles of all meshes together, 2000 to 70000
     #[arg(long, value_name = "N", default_value_t = HumanOptions::default().triangles)]
     triangles: usize,
+    /// Make the plain mannequin, without a face that moves, hair and clothes
+    #[arg(long)]
+    mannequin: bool,
+    /// Also write where the feature points of the face are, as they were constructed
+    #[arg(long, value_name = "F.json", conflicts_with = "mannequin")]
+    face_points: Option<PathBuf>,
 }
 
 #[derive(Debug, Serialize)]
@@ -37,11 +44,22 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
         let what = "the reference human is written as GLB; name the file .glb";
         return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
     }
-    console.files.plan([], [args.out.as_path()])?;
-    let character = made(args.triangles, console)?;
+    let outputs = [Some(&args.out), args.face_points.as_ref()];
+    let outputs = outputs.into_iter().flatten().map(PathBuf::as_path);
+    console.files.plan([], outputs)?;
+    let options = HumanOptions {
+        triangles: args.triangles,
+        face: !args.mannequin,
+    };
+    let character = made(&options, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     let bytes = document.write_glb().context("the reference human")?;
     console.files.write(&args.out, &bytes)?;
+    if let Some(path) = &args.face_points {
+        let points = feature_points().into_iter();
+        let places: Vec<_> = points.map(|p| (p.point, p.position)).collect();
+        console.files.write(path, &face_points::write(&places))?;
+    }
     let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
     let written = Written {
         out: files::shown(&args.out),
@@ -64,8 +82,9 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
     })
 }
 
-/// The reference human with approximately this number of triangles.
-pub(crate) fn made(triangles: usize, console: &Console) -> anyhow::Result<Character> {
+/// The reference human.
+pub(crate) fn made(options: &HumanOptions, console: &Console) -> anyhow::Result<Character> {
+    let triangles = options.triangles;
     if !TRIANGLES.contains(&triangles) {
         return Err(fault::usage(format!(
             "--triangles {triangles}: the reference human has {} to {} triangles",
@@ -74,7 +93,7 @@ pub(crate) fn made(triangles: usize, console: &Console) -> anyhow::Result<Charac
         )));
     }
     let bar = console.progress("building the human", 1);
-    let character = human(&HumanOptions { triangles }).context("the reference human")?;
+    let character = human(options).context("the reference human")?;
     bar.finish_and_clear();
     Ok(character)
 }

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 /// The reference human at 12,000 triangles, with its clips.
 pub(crate) fn asset() -> &'static Asset {
     static ASSET: LazyLock<Asset> = LazyLock::new(|| {
-        let source = human(&HumanOptions::default()).expect("12,000 triangles are allowed");
+        let source = human(&HumanOptions::mannequin(12_000)).expect("12,000 triangles are allowed");
         character(&source, None, &ClipOptions::default()).expect("the human is a character")
     });
     &ASSET

@@ -42,7 +42,7 @@ pub(crate) fn figure() -> Figure {
 }
 
 fn made() -> Figure {
-    let source = human(&HumanOptions { triangles: 2000 }).unwrap();
+    let source = human(&HumanOptions::mannequin(2000)).unwrap();
     let (appearance, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, None, &ClipOptions::default()).unwrap();
     let bounds = Bounds {

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 /// The source character, with its clips.
 pub(crate) fn source() -> &'static Character {
     static HUMAN: OnceLock<Character> = OnceLock::new();
-    HUMAN.get_or_init(|| human(&HumanOptions { triangles: 3000 }).unwrap())
+    HUMAN.get_or_init(|| human(&HumanOptions::mannequin(3000)).unwrap())
 }
 
 /// The runtime character.

@@ -28,8 +28,8 @@ enum Scene {
 }
 
 impl BenchmarkContent {
-    /// Makes the content of an application from a figure. The reference human
-    /// ([`reference_human`](crate::reference_human)) gives scores that can be compared.
+    /// Makes the content of an application from a figure. The mannequin
+    /// ([`reference_mannequin`](crate::reference_mannequin)) gives scores that can be compared.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the figure has no mesh or clip, or for [`Application::Face`] no face.

@@ -83,14 +83,14 @@ impl ShownErrorMeter {
 mod tests {
     use super::*;
     use crate::crowd::{RootMotionPolicy, figure_model};
-    use crate::open::reference_human;
+    use crate::open::reference_mannequin;
     use articula_core::joint_state::{LoaRange, TransitionOptions};
     use articula_core::playback::{FigureViews, FullDetail, LoaController};
     use articula_core::{JointSet, Viewport};
 
     #[test]
     fn all_joints_have_no_error_and_held_ones_shrink_with_the_distance() {
-        let figure = Figure::new(reference_human().unwrap()).unwrap();
+        let figure = Figure::new(reference_mannequin().unwrap()).unwrap();
         let rig = &figure.asset.rig;
         let meter = ShownErrorMeter::new(&figure.asset.mesh);
         let camera = |z| Camera::looking_at(Vec3::new(0.0, 1.0, z), Vec3::Y, Viewport::default());

@@ -71,7 +71,7 @@ mod tests {
     /// first frame may have a raised arm.
     fn swinging(turn_radians: f32, jump_radians: f32) -> CharacterFile {
         static HUMAN: LazyLock<Character> =
-            LazyLock::new(|| articula_human::human(&HumanOptions { triangles: 2_000 }).unwrap());
+            LazyLock::new(|| articula_human::human(&HumanOptions::mannequin(2_000)).unwrap());
         let mut character = HUMAN.clone();
         let joint = |name: &str| character.skeleton.find(name).unwrap();
         let times_secs: Vec<f32> = (0..FRAMES).map(|f| f as f32 / 20.0).collect();

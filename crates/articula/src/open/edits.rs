@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn a_joint_that_is_gone_takes_its_mapping_along() {
-        let character = articula_human::human(&articula_human::HumanOptions::default());
+        let character = articula_human::human(&articula_human::HumanOptions::mannequin(12_000));
         let file = CharacterFile::from_character("a", character.unwrap());
         let mut mapping = file.mapping().clone();
         let count = mapping.articulation.joints.len();

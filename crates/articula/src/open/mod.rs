@@ -45,7 +45,7 @@ pub use data_format::DataFormat;
 pub use document::GltfSource;
 pub use fitted::{ClipProvenance, FittedClip, NameTransfer};
 pub use format::{Format, WriteSupport, conversions, readable};
-pub use human::reference_human;
+pub use human::{reference_human, reference_mannequin};
 pub use options::OpenOptions;
 
 #[cfg(not(feature = "fbx"))]

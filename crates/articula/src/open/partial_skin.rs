@@ -46,7 +46,7 @@ mod tests {
     use std::sync::LazyLock;
 
     static HUMAN: LazyLock<Character> =
-        LazyLock::new(|| articula_human::human(&HumanOptions::default()).unwrap());
+        LazyLock::new(|| articula_human::human(&HumanOptions::mannequin(12_000)).unwrap());
 
     /// The reference human below a scene node, with a skin over some joints and a clip that moves some.
     fn human(in_skin: impl Fn(&str) -> bool, moves: impl Fn(&str) -> bool) -> Character {

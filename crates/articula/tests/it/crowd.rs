@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 pub(crate) fn human() -> CharacterFile {
     static HUMAN: OnceLock<CharacterFile> = OnceLock::new();
     let made = HUMAN.get_or_init(|| {
-        let options = articula_human::HumanOptions { triangles: 2000 };
+        let options = articula_human::HumanOptions::mannequin(2000);
         let character = articula_human::human(&options).unwrap();
         let document = articula_formats::gltf::Document::from_character(&character).unwrap();
         let glb = document.write_glb().unwrap();

@@ -79,7 +79,7 @@ fn a_motion_is_retargeted_as_its_twins() {
     let bytes = converted.unwrap().written.bytes;
     let mut alone = |name: &str| Err(format!("there is no {name}"));
     let written = open(&bytes, "run.glb", &OpenOptions::default(), &mut alone).unwrap();
-    let human = articula_human::human(&HumanOptions { triangles: 2000 }).unwrap();
+    let human = articula_human::human(&HumanOptions::mannequin(2000)).unwrap();
     let human = CharacterFile::from_character("human", human);
     let (degrees, metres) = apart(&fbx, &written, &human);
     assert!(

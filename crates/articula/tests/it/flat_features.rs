@@ -2,7 +2,7 @@
 
 use articula::flatten::{FramedCharacter, LEAST_TRIANGLES, Shot, TriangleCount};
 use articula::glam::Vec3;
-use articula::{Executor, Figure, reference_human};
+use articula::{Executor, Figure, reference_mannequin};
 
 /// Area that triangles of a mesh with a material cover from the front, on the figure's left or right.
 fn area(figure: &Figure, triangles: &[[u32; 3]], material: usize, is_left: bool) -> f32 {
@@ -29,7 +29,7 @@ fn area(figure: &Figure, triangles: &[[u32; 3]], material: usize, is_left: bool)
 
 #[test]
 fn eyes_brows_and_lips_of_the_human_stay() {
-    let figure = Figure::new(reference_human().unwrap()).unwrap();
+    let figure = Figure::new(reference_mannequin().unwrap()).unwrap();
     let shot = Shot {
         still_at: Some(0.0),
         triangles: TriangleCount::About(LEAST_TRIANGLES),

@@ -30,7 +30,7 @@ fn options() -> OptimizeOptions {
 fn human() -> CharacterFile {
     static HUMAN: OnceLock<Vec<u8>> = OnceLock::new();
     read(HUMAN.get_or_init(|| {
-        let small = HumanOptions { triangles: 2000 };
+        let small = HumanOptions::mannequin(2000);
         let character = articula::human::human(&small).unwrap();
         let mut opened = CharacterFile::from_character("human", character);
         opened.select_clips(&[0]);

@@ -17,7 +17,7 @@ fn smooth(alpha: u8) -> Picture {
 
 /// Our human at rest, each of whose first materials shows one of these pictures.
 fn human(pictures: &[Vec<u8>]) -> CharacterFile {
-    let small = HumanOptions { triangles: 2000 };
+    let small = HumanOptions::mannequin(2000);
     let mut character = articula::human::human(&small).unwrap();
     character.clips.clear();
     let material = character.materials[0].clone();

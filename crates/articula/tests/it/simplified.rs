@@ -253,7 +253,7 @@ fn on_border(place: &[u32; 3]) -> bool {
 #[test]
 fn a_human_loses_triangles_and_hardly_more_the_second_time() {
     let human = || {
-        let mut human = articula::human::human(&HumanOptions { triangles: 2000 }).unwrap();
+        let mut human = articula::human::human(&HumanOptions::mannequin(2000)).unwrap();
         human.clips.truncate(1);
         human
     };

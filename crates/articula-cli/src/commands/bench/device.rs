@@ -11,7 +11,7 @@ use articula::core::Backend;
 use articula::device::{
     Application, BenchmarkContent, BenchmarkOptions, BenchmarkRun, DeviceReport, FirstGuess,
 };
-use articula::{Executor, Figure, Job, reference_human};
+use articula::{Executor, Figure, Job, reference_mannequin};
 use articula_report::nanoseconds;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
@@ -134,7 +134,7 @@ pub(crate) fn run(args: &DeviceArgs, console: &Console) -> anyhow::Result<()> {
     let mut report = BenchReport::new(hardware::description(args.backend(), args.threads));
     let mut character = match &args.file {
         Some(path) => open::character(&console.files, path, &ReadArgs::default())?,
-        None => reference_human()?,
+        None => reference_mannequin()?,
     };
     // What travels would leave the picture.
     character.put_in_place();

@@ -66,7 +66,10 @@ pub(crate) fn human() -> &'static Path {
     static HUMAN: OnceLock<PathBuf> = OnceLock::new();
     HUMAN.get_or_init(|| {
         let folder = folder(&format!("human-{}", std::process::id()));
-        let ran = articula(&folder, &["human", "--triangles", "2500", "human.glb"]);
+        let ran = articula(
+            &folder,
+            &["human", "--mannequin", "--triangles", "2500", "human.glb"],
+        );
         assert_eq!(ran.status, 0, "{}", ran.err);
         folder.join("human.glb")
     })

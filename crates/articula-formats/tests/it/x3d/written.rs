@@ -20,7 +20,7 @@ const BOUND: f64 = 5e-6;
 /// The reference human with the fewest triangles, created once.
 fn small_human() -> &'static Character {
     static HUMAN: OnceLock<Character> = OnceLock::new();
-    HUMAN.get_or_init(|| human(&HumanOptions { triangles: 2000 }).unwrap())
+    HUMAN.get_or_init(|| human(&HumanOptions::mannequin(2000)).unwrap())
 }
 
 /// Writes and reads a character; also returns whether the rest pose is that of the source.

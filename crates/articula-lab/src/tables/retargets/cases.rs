@@ -203,7 +203,7 @@ fn open(data: &Path, name: &str) -> Result<CharacterFile> {
 /// The reference human, made once: several motions go onto it.
 fn human() -> Result<CharacterFile> {
     static HUMAN: LazyLock<Result<CharacterFile, HumanError>> = LazyLock::new(|| {
-        let character = articula_human::human(&HumanOptions { triangles: 12_000 })?;
+        let character = articula_human::human(&HumanOptions::mannequin(12_000))?;
         Ok(CharacterFile::from_character("human", character))
     });
     Ok(HUMAN.clone()?)

@@ -108,7 +108,7 @@ impl Case {
     /// Opens the figure.
     pub(super) fn open(&self, data: &Path) -> Result<Figure> {
         let opened = if self.file.is_empty() {
-            articula::reference_human()?
+            articula::reference_mannequin()?
         } else {
             self.character(data).with_context(|| self.file)?
         };
