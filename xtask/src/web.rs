@@ -49,7 +49,7 @@ const STREAM: Module = Module {
 
 const PUBLISH: Module = Module {
     name: "publish",
-    contents: "2D output, packaging, lighter files, motions of faces, evaluation, benchmark",
+    contents: "2D output, packaging, lighter files, motions of faces, voices, evaluation, benchmark",
     limit: 2_100_000,
 };
 

@@ -5,6 +5,7 @@ import { browser } from '../../test/browser.mjs';
 import { serve } from '../../test/server.mjs';
 import { CAMERA } from './camera.mjs';
 import { DEVICES } from './devices.mjs';
+import { DROPS } from './drops.mjs';
 import { FAULTS } from './faults.mjs';
 import { LIGHTER } from './lighter.mjs';
 import { LOOKS } from './looks.mjs';
@@ -25,7 +26,7 @@ let programs;
 const counts = { passed: 0, failed: 0 };
 try {
   const words = process.argv.slice(2);
-  for (const { name, needs, run } of [...STEERING, ...CAMERA, ...OFFLINE, ...FAULTS, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS].filter((test) => words.every((word) => test.name.includes(word)))) {
+  for (const { name, needs, run } of [...STEERING, ...CAMERA, ...OFFLINE, ...DROPS, ...FAULTS, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS].filter((test) => words.every((word) => test.name.includes(word)))) {
     const start = performance.now();
     if (needs === 'native') {
       programs ??= native();

@@ -1,4 +1,5 @@
 import type { StudioState } from '../state.js';
+import { baseOf } from '../files.js';
 import { chosenClip, loopedSecs, type Studio } from '../studio.js';
 import { StageColumn } from '../stage/column.js';
 import { button, choice, section, segmented, slider } from '../ui/controls.js';
@@ -95,7 +96,7 @@ export class FlatPage {
           ...watch,
         }),
       );
-      this.#made = { bytes: made.bytes, form, name: name.replace(/(\.[a-z0-9]+)+$/i, '') };
+      this.#made = { bytes: made.bytes, form, name: baseOf(name) };
       this.#preview?.end();
       this.#preview = await preview(this.#shown, form, made.bytes);
       this.#download.disabled = false;

@@ -15,6 +15,7 @@ import { MetricPanel } from './metric.js';
 import { placement } from './placement.js';
 import { takeHome } from './take-home.js';
 import { Timeline } from './timeline.js';
+import { VoiceSound } from './voice.js';
 
 /** Fields of the state whose change makes the metric and its transitions anew. */
 const STEERED = ['metric', 'pixels', 'threshold', 'farthest', 'curve', 'lookup', 'transition', 'ease', 'passive'] as const;
@@ -28,6 +29,7 @@ export class StagePage {
   readonly panel: HTMLElement;
   columns: StageColumn[] = [];
   readonly timeline: Timeline;
+  readonly voice: VoiceSound;
   readonly #studio: Studio;
   readonly #viewport: Viewport;
   readonly #levels: LevelsPanel;
@@ -47,7 +49,8 @@ export class StagePage {
     this.#studio = studio;
     this.#viewport = viewport;
     this.#before = { ...studio.state };
-    this.timeline = new Timeline(studio);
+    this.voice = new VoiceSound(studio.notices);
+    this.timeline = new Timeline(studio, this.voice.element);
     this.#levels = new LevelsPanel(studio);
     this.#metric = new MetricPanel(studio);
     this.#clips = new ClipsPanel(studio);
@@ -70,6 +73,7 @@ export class StagePage {
 
   unmount(): void {
     this.#camera.end();
+    this.voice.end();
     this.columns[0]?.dress({ ...this.#studio.state, body: 'solid' });
     this.#clear();
   }
@@ -154,6 +158,7 @@ export class StagePage {
     const { asset } = this.#studio.character;
     const clip = Math.max(asset.clips.indexOf(this.#studio.state.clip), 0);
     this.timeline.setLength(asset.clipSecs[clip] ?? 1);
+    this.voice.load(this.#studio.voices.get(asset.clips[clip] ?? ''));
     if (asset.clips.length > 0) {
       this.columns.forEach((column) => column.play(clip, this.timeline.secs));
     }
@@ -212,6 +217,8 @@ export class StagePage {
   #frame(dtSecs: number): void {
     this.timeline.advance(dtSecs);
     this.#camera.frame(dtSecs);
+    const { playing, speed } = this.#studio.state;
+    this.voice.follow(this.timeline.secs, playing, speed);
     const start = performance.now();
     for (const column of this.columns) {
       column.update(this.timeline.now, this.timeline.secs, this.#viewport);

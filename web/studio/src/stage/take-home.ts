@@ -1,11 +1,12 @@
 import { button, section } from '../ui/controls.js';
 import { download, h } from '../ui/dom.js';
+import { baseOf } from '../files.js';
 import type { Studio } from '../studio.js';
 import { profile } from './levels.js';
 
 /** What the visitor takes along: the prepared file, the level of articulation, and the address of this view. */
 export function takeHome(studio: Studio): HTMLElement {
-  const base = (): string => studio.character.name.replace(/(\.[a-z0-9]+)+$/i, '');
+  const base = (): string => baseOf(studio.character.name);
   const glb = button('Prepared GLB', () => {
     studio.prepared().then(
       ({ bytes }) => download(bytes, `${base()}-prepared.glb`, 'model/gltf-binary'),
