@@ -1,4 +1,8 @@
 //! With the feature `studio`: finds the pages that become part of the program.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "a build script reads and writes files"
+)]
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -27,7 +31,7 @@ fn write(folder: &Path) -> io::Result<()> {
     let mut files = Vec::new();
     find(folder, &mut files)?;
     files.sort();
-    let mut table = String::from("pub(super) const PAGES: Pages = &[\n");
+    let mut table = String::from("const PAGES: Pages = &[\n");
     for file in &files {
         let inside = file.strip_prefix(folder).unwrap_or(file).to_string_lossy();
         let path = inside.trim_end_matches(".gz").replace('\\', "/");

@@ -9,7 +9,7 @@ use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::origins::shared;
 use crate::page::{list, path_of};
-use crate::reply::{CHANGING, blocking, fault, is_allowed, later, stored, unknown};
+use crate::reply::{CHANGING, IMMUTABLE, blocking, fault, is_allowed, later, stored, unknown};
 use crate::upload::upload;
 use crate::watcher::watched;
 use crate::{connections, cut, devices, glb, openapi, session, studio};
@@ -28,8 +28,6 @@ use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
 
-/// What never changes may be kept for a year.
-pub(crate) const IMMUTABLE: &str = "public, max-age=31536000, immutable";
 /// Whether a manifest is that of the whole item: `ready` or `packaging`.
 const STATE: HeaderName = HeaderName::from_static("articula-state");
 /// Longest time that a request waits for news, seconds.

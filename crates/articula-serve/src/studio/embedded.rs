@@ -1,32 +1,39 @@
 //! Pages inside of the program, compressed by gzip as they are sent.
 
 use crate::answer::takes;
-use crate::http::IMMUTABLE;
 use crate::objects::unzipped;
-use crate::reply::{CHANGING, unknown};
-use axum::Router;
-use axum::extract::Path;
+use crate::reply::{CHANGING, IMMUTABLE, unknown};
 use axum::http::HeaderMap;
 use axum::http::header::{CACHE_CONTROL, CONTENT_ENCODING, CONTENT_TYPE, VARY};
 use axum::response::{IntoResponse, Response};
-use axum::routing::get;
 
 /// Paths of files and their bytes, compressed.
 type Pages = &'static [(&'static str, &'static [u8])];
 
-// `PAGES`: what the build script found.
+/// What the build script found, and its routes.
 #[cfg(feature = "studio")]
-include!(concat!(env!("OUT_DIR"), "/studio_pages.rs"));
+mod built {
+    use super::{Pages, answer};
+    use axum::Router;
+    use axum::extract::Path;
+    use axum::http::HeaderMap;
+    use axum::routing::get;
 
-pub(super) fn routes<S: Clone + Send + Sync + 'static>(pages: Pages) -> Router<S> {
-    let first = move |headers: HeaderMap| async move { answer(pages, "index.html", &headers) };
-    let named = move |Path(path): Path<String>, headers: HeaderMap| async move {
-        answer(pages, &path, &headers)
-    };
-    Router::new()
-        .route("/studio/", get(first))
-        .route("/studio/{*path}", get(named))
+    include!(concat!(env!("OUT_DIR"), "/studio_pages.rs"));
+
+    pub(in crate::studio) fn routes<S: Clone + Send + Sync + 'static>() -> Router<S> {
+        let first = |headers: HeaderMap| async move { answer(PAGES, "index.html", &headers) };
+        let named = |Path(path): Path<String>, headers: HeaderMap| async move {
+            answer(PAGES, &path, &headers)
+        };
+        Router::new()
+            .route("/studio/", get(first))
+            .route("/studio/{*path}", get(named))
+    }
 }
+
+#[cfg(feature = "studio")]
+pub(super) use built::routes;
 
 fn answer(pages: Pages, path: &str, request: &HeaderMap) -> Response {
     let Some((_, zipped)) = pages.iter().find(|(known, _)| *known == path) else {

@@ -28,7 +28,7 @@ pub(crate) fn routes<S: Clone + Send + Sync + 'static>(folder: Option<&Path>) ->
     let pages = match folder {
         Some(folder) => Router::new().nest_service("/studio/", ServeDir::new(folder)),
         #[cfg(feature = "studio")]
-        None => embedded::routes(embedded::PAGES),
+        None => embedded::routes(),
         #[cfg(not(feature = "studio"))]
         None => return Router::new(),
     };

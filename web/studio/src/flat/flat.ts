@@ -42,6 +42,8 @@ export class FlatPage {
   #preview: Preview | undefined;
   #made: { bytes: Uint8Array; form: StudioState['form']; name: string } | undefined;
   #secs = 0;
+  /** Size of the view that the camera stands for. */
+  #size: readonly [number, number] = [0, 0];
 
   constructor(studio: Studio, viewport: Viewport) {
     this.#studio = studio;
@@ -169,6 +171,11 @@ export class FlatPage {
   }
 
   #frame(dtSecs: number): void {
+    const { width, height } = this.#viewport.columnSize;
+    if (this.#viewport.isFitted && (width !== this.#size[0] || height !== this.#size[1])) {
+      this.#size = [width, height];
+      this.#look();
+    }
     this.#secs = loopedSecs(this.#studio, this.#secs + dtSecs);
     this.#column?.update(performance.now() / 1000, this.#secs, this.#viewport);
   }

@@ -9,6 +9,7 @@ export class FacePanel {
   readonly #studio: Studio;
   readonly #columns: () => readonly StageColumn[];
   readonly #body = h('div', { class: 'stack' });
+  readonly #list = h('div', { class: 'stack sliders', tabindex: 0, role: 'region', 'aria-label': 'Expressions' });
   readonly #weights = new Map<string, number>();
   #sliders: Control<number>[] = [];
 
@@ -41,7 +42,8 @@ export class FacePanel {
       this.#sliders.forEach((control) => control.set(0));
       this.#columns().forEach(({ crew }) => crew.forEach((figure) => figure.clearMorphs()));
     }, 'small');
-    this.#body.replaceChildren(...this.#sliders.map(({ element }) => element), clear);
+    this.#list.replaceChildren(...this.#sliders.map(({ element }) => element));
+    this.#body.replaceChildren(this.#list, clear);
   }
 
   /** Sets the weights on all columns. */

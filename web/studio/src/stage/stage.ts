@@ -3,10 +3,10 @@ import { h } from '../ui/dom.js';
 import type { StudioState } from '../state.js';
 import type { Studio } from '../studio.js';
 import { packCameras } from './view-of.js';
-import type { Viewport } from '../view/viewport.js';
+import { type Viewport, WIDTH_TO_HEIGHT } from '../view/viewport.js';
 import { CameraPanel } from './camera.js';
 import { ClipsPanel } from './clips.js';
-import { type ColumnRule, StageColumn } from './column.js';
+import { type ColumnRule, StageColumn, widthOf } from './column.js';
 import { EvaluatePanel } from './evaluate.js';
 import { FacePanel } from './face.js';
 import { chosenJoints, LEVELS, LevelsPanel, spoken } from './levels.js';
@@ -118,16 +118,19 @@ export class StagePage {
     this.#camera.end();
     this.#clear();
     this.#select();
-    const { asset } = this.#studio.character;
     this.#levels.renew();
     this.#metric.renew();
     this.#clips.renew();
     this.#face.renew();
     this.#makeColumns();
     if (!this.#viewport.place(this.#studio.state.camera)) {
-      this.#viewport.fit(asset.bounds, YAW);
+      this.#fit();
     }
     this.#viewport.step(0);
+  }
+
+  #fit(): void {
+    this.#viewport.fit(this.#studio.character.asset.bounds, YAW, undefined, WIDTH_TO_HEIGHT + widthOf(this.#studio.state.clones));
   }
 
   #makeColumns(): void {
@@ -198,7 +201,9 @@ export class StagePage {
     }
     if (differs('columns')) {
       state.camera = '';
-      this.#viewport.fit(this.#studio.character.asset.bounds, YAW);
+      this.#fit();
+    } else if (differs('clones') && this.#viewport.isFitted) {
+      this.#fit();
     }
     if (differs(...STEERED)) {
       const rules = this.#rules();

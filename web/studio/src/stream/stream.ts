@@ -105,7 +105,7 @@ export class StreamPage {
       return;
     }
     if (found === undefined) {
-      this.#say('These pages come from a server without characters.', 'Serve a folder of them with its pages: articula serve FOLDER --studio web/studio/dist');
+      this.#say('These pages come from a server without characters.', 'Serve a folder of them with its pages:', 'articula serve FOLDER --studio web/studio/dist');
       return;
     }
     if (found.length === 0) {
@@ -233,8 +233,8 @@ export class StreamPage {
     this.#sessions.replaceChildren(...rows);
   }
 
-  #say(text: string, more = ''): void {
-    this.#note.replaceChildren(h('div', { class: 'empty' }, h('strong', {}, text), more !== '' && h('p', {}, more)));
+  #say(text: string, more = '', command = ''): void {
+    this.#note.replaceChildren(h('div', { class: 'empty' }, h('strong', {}, text), more !== '' && h('p', {}, more), command !== '' && h('code', {}, command)));
     this.#note.hidden = false;
   }
 }
