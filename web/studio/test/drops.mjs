@@ -7,7 +7,7 @@ const VOICE = new URL('../../../assets/speech/librivox_austen_0880.wav', import.
 const unless = (right, fault) => (right ? [] : [fault]);
 
 /** Gives the page a file by its picker. */
-const give = (page, name, text) => page.locator('input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
+const give = (page, name, text) => page.locator('.top input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(text) });
 
 /** Drops a file onto the middle of the page. */
 const drop = (page, name, text) => page.evaluate(([file, content]) => {

@@ -76,7 +76,7 @@ export async function openFile(page, name, bytes) {
   const shown = page.evaluate(() => new Promise((resolve) => {
     globalThis.articulaStudio.studio.addEventListener('character', () => resolve(globalThis.articulaStudio.studio.character.name), { once: true });
   }));
-  await page.locator('input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(bytes) });
+  await page.locator('.top input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(bytes) });
   return shown;
 }
 

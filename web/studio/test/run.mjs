@@ -8,6 +8,7 @@ import { DEVICES } from './devices.mjs';
 import { DROPS } from './drops.mjs';
 import { FAULTS } from './faults.mjs';
 import { closeFirefox, FIREFOX } from './firefox.mjs';
+import { FLAT } from './flat.mjs';
 import { LIGHTER } from './lighter.mjs';
 import { LOOKS } from './looks.mjs';
 import { native } from './native.mjs';
@@ -27,7 +28,7 @@ let programs;
 const counts = { passed: 0, failed: 0 };
 try {
   const words = process.argv.slice(2);
-  for (const { name, needs, run } of [...STEERING, ...CAMERA, ...OFFLINE, ...DROPS, ...FAULTS, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS, ...FIREFOX].filter((test) => words.every((word) => test.name.includes(word)))) {
+  for (const { name, needs, run } of [...STEERING, ...CAMERA, ...OFFLINE, ...DROPS, ...FAULTS, ...FLAT, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS, ...FIREFOX].filter((test) => words.every((word) => test.name.includes(word)))) {
     const start = performance.now();
     if (needs === 'native') {
       programs ??= native();
