@@ -4,6 +4,7 @@ import { readFile } from 'node:fs/promises';
 import { openStudio, slide, step } from './page.mjs';
 
 const SECS = 1 / 30;
+const HUMAN = new URL('../dist/human.glb', import.meta.url);
 const unless = (right, fault) => (right ? [] : [fault]);
 
 const press = (page, text) => page.locator('.segmented label', { hasText: text }).click();
@@ -14,7 +15,8 @@ const stand = (page, metres) => page.evaluate((z) => globalThis.articulaStudio.v
 export const CONTROLS = [
   {
     name: 'the knobs of thresholds, transitions, place and speed do what they say',
-    async run({ browser, server }) {
+    needs: 'native',
+    async run({ browser, server, programs }) {
       const { context, page, errors } = await openStudio(browser, server.address, { hash: '#stage?transition=0', width: 1280, height: 700 });
       const faults = [];
       // At the viewer no error is let pass, at 16 m any: the distance alone decides, when it is looked up.
@@ -80,6 +82,16 @@ export const CONTROLS = [
       const [saved] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Prepared GLB' }).click()]);
       const glb = await readFile(await saved.path());
       faults.push(...unless(glb.subarray(0, 4).toString() === 'glTF' && saved.suggestedFilename() === 'human-prepared.glb', saved.suggestedFilename()));
+      const take = async (name) => {
+        const [file] = await Promise.all([page.waitForEvent('download', { timeout: 30_000 }), page.getByRole('button', { name }).click()]);
+        return { name: file.suggestedFilename(), bytes: await readFile(await file.path()) };
+      };
+      const png = await take('Picture (PNG)');
+      // A character and its skeleton take more bytes than one colour does.
+      faults.push(...unless(png.name === 'human.png' && png.bytes.subarray(1, 4).toString() === 'PNG' && png.bytes.length > 10_000, `${png.name}: ${png.bytes.length} bytes`));
+      const abp = await take('Motion (ABP)');
+      const native = programs.converted(await readFile(HUMAN), 'abp', '--clip', 'walk');
+      faults.push(...unless(abp.name === 'human-walk.abp' && abp.bytes.equals(native), `${abp.name}: ${abp.bytes.length} bytes, ${native.length} of the program, or others`));
       await context.close();
       return [...faults, ...errors];
     },

@@ -187,6 +187,17 @@ export class Viewport {
     this.#draw();
   }
 
+  /** What is shown now, as a PNG. */
+  async picture(): Promise<Uint8Array> {
+    this.step(0);
+    // The picture is taken before the browser clears it.
+    const blob = await new Promise<Blob | null>((resolve) => this.renderer.domElement.toBlob(resolve));
+    if (blob === null) {
+      throw new Error('the browser gives no picture of this canvas');
+    }
+    return new Uint8Array(await blob.arrayBuffer());
+  }
+
   #frame(ms: number): void {
     const dt = Math.min((ms - this.#last) / 1000, MAX_STEP_SECS);
     this.#last = ms;
