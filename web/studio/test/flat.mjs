@@ -1,7 +1,7 @@
 // The page Flat: a picture behind the character is shown, and goes into the SVG that is taken home.
 import { readFile } from 'node:fs/promises';
 
-import { axe, openFile, openStudio } from './page.mjs';
+import { axe, openFile, openStudio, slide, step } from './page.mjs';
 
 const unless = (right, fault) => (right ? [] : [fault]);
 
@@ -32,6 +32,43 @@ const shown = (page, svg) => page.evaluate(async (text) => {
 }, svg);
 
 export const FLAT = [
+  {
+    name: 'expressions that are moved by hand are recorded as a clip, and become a picture',
+    async run({ browser, server }) {
+      const { context, page, errors } = await openStudio(browser, server.address, { width: 1280, height: 800 });
+      await openFile(page, 'face.csv', 'Timecode,jawOpen\n00:00:00.0,0\n00:00:00.1,0\n');
+      await page.locator('summary', { hasText: /^Face$/ }).click();
+      await page.getByRole('button', { name: 'Record', exact: true }).last().click();
+      // The jaw opens by a tenth in each of ten frames.
+      for (let frame = 0; frame <= 10; frame += 1) {
+        await slide(page, 'jawOpen', frame / 10);
+        await step(page, 1, 1 / 30);
+      }
+      await page.getByRole('button', { name: 'Stop recording' }).click();
+      await page.getByText('recorded-1.csv now moves human.glb').waitFor({ timeout: 30_000 });
+      const weights = await page.evaluate(() => {
+        const { current, studio } = globalThis.articulaStudio;
+        // Its tables are not needed for a picture.
+        studio.task.cancel();
+        const at = (secs) => {
+          current.seek(secs);
+          return Math.max(...current.columns[0].figure.mesh.morphTargetInfluences);
+        };
+        return { clip: studio.state.clip, half: at(5 / 30), whole: at(0.3332) };
+      });
+      await page.getByRole('link', { name: 'Flat' }).click();
+      await page.evaluate(() => globalThis.articulaStudio.studio.set({ triangles: 100 }));
+      await page.getByRole('button', { name: 'Make the picture' }).click();
+      await page.locator('.flat-picture img').waitFor({ timeout: 60_000 });
+      const told = await page.locator('.readout').textContent();
+      await context.close();
+      return [
+        ...errors,
+        ...unless(weights.clip === 'recorded-1' && Math.abs(weights.half - 0.5) < 0.02 && Math.abs(weights.whole - 1) < 0.02, JSON.stringify(weights)),
+        ...unless(/Frames(8|9|10) at/.test(told), told),
+      ];
+    },
+  },
   {
     name: 'a background picture is behind the character, on the page and in the SVG',
     needs: 'native',

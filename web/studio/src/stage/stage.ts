@@ -222,6 +222,7 @@ export class StagePage {
   #frame(dtSecs: number): void {
     this.timeline.advance(dtSecs);
     this.#camera.frame(dtSecs);
+    this.#face.frame(dtSecs);
     const { playing, speed } = this.#studio.state;
     this.voice.follow(this.timeline.secs, playing, speed);
     const start = performance.now();
