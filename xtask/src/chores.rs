@@ -1,13 +1,13 @@
 //! The chores that are a single program call.
 
 use crate::cut_alone;
+use crate::heartbeat::with_heartbeat;
+use crate::outcome::Outcome;
 use crate::processes::run;
+use crate::studio;
 use crate::workspace::{cargo, root, target};
 use anyhow::{Result, bail};
-use std::io::IsTerminal;
 use std::process::Command;
-use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::{Duration, Instant};
 
 /// Output folder of `demo`.
 const DEMO_FOLDER: &str = "articula-demo";
@@ -16,10 +16,11 @@ const DEMO_FOLDER: &str = "articula-demo";
 const DEMO_CHARACTER: &str = "assets/glb/Quaternius_modular_men__Worker.glb";
 const DEMO_MOTION: &str = "assets/glb/pab_arnaud.glb";
 
-/// Seconds between two lines that tell that work goes on.
-const HEARTBEAT: Duration = Duration::from_secs(8);
+/// Folder of characters to serve, in that of the demo.
+const STORE: &str = "articula-demo/store";
 
-/// Runs the demo in a release build and prints the path of its page.
+/// Runs the demo in a release build and prints the path of its page; with Node, then opens the studio over its
+/// characters.
 pub(crate) fn demo() -> Result<()> {
     println!("building the program (some minutes the first time)");
     let build = ["build", "--release", "-p", "articula-cli"];
@@ -32,27 +33,25 @@ pub(crate) fn demo() -> Result<()> {
         bail!("the demo did not write {}", page.display());
     }
     println!("open {} in a browser", page.display());
-    Ok(())
+    match studio::build()? {
+        Outcome::Done => studio::open(STORE),
+        Outcome::Skipped(why) => {
+            println!("the studio is not built: {why}");
+            Ok(())
+        }
+    }
 }
 
-/// Does `work` and tells meanwhile how long it takes, unless there is a terminal, on which programs
-/// show their progress themselves.
-fn with_heartbeat<T>(what: &str, work: impl FnOnce() -> T) -> T {
-    if std::io::stderr().is_terminal() {
-        return work();
+/// Builds the release program with the studio inside.
+pub(crate) fn studio() -> Result<()> {
+    match studio::build()? {
+        Outcome::Done => println!(
+            "{} serves the studio",
+            target().join("release/articula").display()
+        ),
+        Outcome::Skipped(why) => bail!("the studio is not built: {why}"),
     }
-    let begin = Instant::now();
-    let (working, is_done) = mpsc::channel::<()>();
-    std::thread::scope(|scope| {
-        scope.spawn(move || {
-            while is_done.recv_timeout(HEARTBEAT) == Err(RecvTimeoutError::Timeout) {
-                println!("{what}: {} s so far", begin.elapsed().as_secs());
-            }
-        });
-        let done = work();
-        drop(working);
-        done
-    })
+    Ok(())
 }
 
 /// Checks the tree and prints every fault.

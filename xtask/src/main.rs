@@ -13,6 +13,7 @@ mod chores;
 mod cut_alone;
 mod dependencies;
 mod fuzz;
+mod heartbeat;
 mod mutants;
 mod neon;
 mod node;
@@ -24,6 +25,7 @@ mod playback;
 mod processes;
 mod run_times;
 mod steps;
+mod studio;
 mod test_compiler;
 mod test_programs;
 mod tidy;
@@ -41,7 +43,8 @@ Developer tasks of the workspace.
 Usage: cargo xtask <CHORE>
 
 Chores:
-  demo     Run the demo and print the path of its page (articula-demo/index.html)
+  demo     Run the demo and print the path of its page (articula-demo/index.html); with Node, then open the studio
+  studio   Build the release program with the studio inside, for `articula serve`; needs Node
   test     Run everything that CI runs, row by row, up to the first row with a failure
   tidy     Check what lints cannot: crate edges, file sizes, names, records
   golden   Rewrite the golden files, then list those that changed
@@ -94,6 +97,7 @@ fn main() -> ExitCode {
             Some(options) => steps::test(&options),
             None => return usage(),
         },
+        ["studio"] => chores::studio(),
         ["tidy"] => chores::tidy(),
         ["golden"] => chores::golden(),
         ["pictures"] => pictures::pictures(),

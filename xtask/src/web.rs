@@ -49,7 +49,7 @@ const STREAM: Module = Module {
 
 const PUBLISH: Module = Module {
     name: "publish",
-    contents: "2D output, packaging, lighter files, motions of faces, evaluation, benchmark",
+    contents: "2D output, packaging, lighter files, motions of faces, voices, evaluation, benchmark",
     limit: 2_100_000,
 };
 
@@ -88,16 +88,33 @@ impl WebOptions {
 
 /// Builds the modules and prints their sizes.
 pub(crate) fn web(options: &WebOptions) -> Result<()> {
-    ensure!(
-        platform::add(TARGET),
-        "the target {TARGET} is not installed, and rustup could not add it"
-    );
     if options.dev {
+        ensure!(platform::add(TARGET), NO_TARGET);
         let folder = dev_modules()?;
         println!("{}", folder.display());
         return Ok(());
     }
-    let mut sizes = Vec::new();
+    if let Some(why) = release_modules()? {
+        anyhow::bail!(why);
+    }
+    let sizes: Result<Vec<_>> = MODULES.into_iter().map(Size::of).collect();
+    let sizes = sizes?;
+    print!("{}\n{}", table(&sizes), together(&sizes));
+    if options.write {
+        std::fs::write(root().join(PAGE), page(&sizes)).context(PAGE)?;
+        std::fs::write(root().join(ROWS), rows(&sizes)).context(ROWS)?;
+    }
+    Ok(())
+}
+
+const NO_TARGET: &str =
+    "the target wasm32-unknown-unknown is not installed, and rustup could not add it";
+
+/// Builds the modules as pages are to have them; says why if it cannot.
+pub(crate) fn release_modules() -> Result<Option<String>> {
+    if !platform::add(TARGET) {
+        return Ok(Some(NO_TARGET.to_owned()));
+    }
     for module in MODULES {
         let words = ["build", "--quiet", "--profile", "web", "-p", PACKAGE];
         let features = ["--no-default-features", "--features", module.name];
@@ -107,14 +124,8 @@ pub(crate) fn web(options: &WebOptions) -> Result<()> {
             .args(features)
             .env("RUSTFLAGS", SIMD))?;
         generate(&target().join(TARGET).join("web"), module)?;
-        sizes.push(Size::of(module)?);
     }
-    print!("{}\n{}", table(&sizes), together(&sizes));
-    if options.write {
-        std::fs::write(root().join(PAGE), page(&sizes)).context(PAGE)?;
-        std::fs::write(root().join(ROWS), rows(&sizes)).context(ROWS)?;
-    }
-    Ok(())
+    Ok(None)
 }
 
 /// Builds the modules as the tests in node are built, with the library compiled once for all, and returns their

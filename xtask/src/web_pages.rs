@@ -3,7 +3,7 @@
 use crate::node::{browser, install_in};
 use crate::outcome::Outcome;
 use crate::processes::run;
-use crate::workspace::root;
+use crate::workspace::{cargo, root};
 use anyhow::Result;
 use std::process::Command;
 
@@ -17,6 +17,24 @@ pub(crate) fn install() -> Result<Outcome> {
 
 /// The page that stands on the packages.
 const STUDIO: &str = "articula-studio";
+
+/// Builds the pages of the studio over the modules that are built, and puts them where the program with the feature
+/// `studio` embeds them.
+pub(crate) fn embed() -> Result<()> {
+    npm(&["run", "build"])?;
+    for script in ["build", "embed"] {
+        npm(&["run", script, "--workspace", STUDIO])?;
+    }
+    Ok(())
+}
+
+fn npm(words: &[&str]) -> Result<()> {
+    let mut npm = Command::new("npm");
+    run(npm
+        .args(words)
+        .arg("--silent")
+        .current_dir(root().join(FOLDER)))
+}
 
 /// Compiles the packages over the modules that the check in node has built, checks what they publish, and opens their
 /// pages.
@@ -37,9 +55,13 @@ pub(crate) fn check() -> Result<Outcome> {
         &["test"],
         &["run", "build", "--workspace", STUDIO],
         &["test", "--workspace", STUDIO],
+        &["run", "embed", "--workspace", STUDIO],
     ] {
-        let mut npm = Command::new("npm");
-        run(npm.args(words).arg("--silent").current_dir(&folder))?;
+        npm(words)?;
     }
+    // The program with those pages inside. Only what the feature changes is compiled.
+    let words = ["clippy", "--workspace", "--all-targets", "--quiet"];
+    let features = ["--features", "articula-cli/studio", "--"];
+    run(cargo().args(words).args(features).args(["-D", "warnings"]))?;
     Ok(Outcome::Done)
 }

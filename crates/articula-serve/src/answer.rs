@@ -95,21 +95,23 @@ fn matches(known: &str, tag: &str) -> bool {
     known == "*" || known.strip_prefix("W/").unwrap_or(known) == tag
 }
 
+/// Whether a request takes a coding, by its word in lower case.
+pub(crate) fn takes(request: &HeaderMap, word: &str) -> bool {
+    let codings = text(request, ACCEPT_ENCODING).unwrap_or_default();
+    codings.split(',').any(|coding| {
+        let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));
+        let quality = quality
+            .trim()
+            .strip_prefix("q=")
+            .map_or(1.0, |q| q.parse().unwrap_or(0.0));
+        name.trim().eq_ignore_ascii_case(word) && quality > 0.0
+    })
+}
+
 /// The coding in which a request gets what is shorter so, with its word: `br` before `gzip`.
 fn coding(request: &HeaderMap) -> Option<(Coding, &'static str)> {
-    let codings = text(request, ACCEPT_ENCODING).unwrap_or_default();
-    let takes = |word: &str| {
-        codings.split(',').any(|coding| {
-            let (name, quality) = coding.split_once(';').unwrap_or((coding, ""));
-            let quality = quality
-                .trim()
-                .strip_prefix("q=")
-                .map_or(1.0, |q| q.parse().unwrap_or(0.0));
-            name.trim().eq_ignore_ascii_case(word) && quality > 0.0
-        })
-    };
     let known = [(Coding::Brotli, "br"), (Coding::Gzip, "gzip")];
-    known.into_iter().find(|(_, word)| takes(word))
+    known.into_iter().find(|(_, word)| takes(request, word))
 }
 
 #[cfg(test)]

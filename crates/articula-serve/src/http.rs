@@ -9,17 +9,17 @@ use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::origins::shared;
 use crate::page::{list, path_of};
-use crate::reply::{CHANGING, blocking, fault, is_allowed, later, stored, unknown};
+use crate::reply::{CHANGING, IMMUTABLE, blocking, fault, is_allowed, later, stored, unknown};
 use crate::upload::upload;
 use crate::watcher::watched;
-use crate::{connections, cut, devices, glb, openapi, session};
+use crate::{connections, cut, devices, glb, openapi, session, studio};
 use axum::Json;
 use axum::body::Body;
 use axum::extract::{Path, Query, RawQuery, Request, State};
 use axum::http::header::{CONTENT_SECURITY_POLICY, CONTENT_TYPE};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
-use axum::response::{IntoResponse, Redirect, Response};
+use axum::response::{IntoResponse, Response};
 use axum::routing::{get, put};
 use serde::{Deserialize, Serialize};
 use std::future::Future;
@@ -27,10 +27,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::Semaphore;
-use tower_http::services::ServeDir;
 
-/// What never changes may be kept for a year.
-const IMMUTABLE: &str = "public, max-age=31536000, immutable";
 /// Whether a manifest is that of the whole item: `ready` or `packaging`.
 const STATE: HeaderName = HeaderName::from_static("articula-state");
 /// Longest time that a request waits for news, seconds.
@@ -71,13 +68,7 @@ pub fn router(catalogue: Catalogue) -> axum::Router {
         .merge(cut::routes())
         .merge(devices::routes())
         .merge(openapi::routes());
-    let routes = match &catalogue.options().studio {
-        Some(folder) => routes
-            // Pages are no part of the interface that the document tells. Their relative addresses lie below.
-            .route_service("/studio", get(|| async { Redirect::permanent("studio/") }))
-            .nest_service("/studio/", ServeDir::new(folder)),
-        None => routes,
-    };
+    let routes = routes.merge(studio::routes(catalogue.options().studio.as_deref()));
     routes
         .layer(from_fn_with_state(limited, limit))
         // These answer also when all places are taken.
@@ -139,7 +130,7 @@ async fn page(State(catalogue): State<Catalogue>) -> Response {
         (CONTENT_TYPE, "text/html; charset=utf-8"),
         (CONTENT_SECURITY_POLICY, policy),
     ];
-    let has_studio = catalogue.options().studio.is_some();
+    let has_studio = studio::IS_EMBEDDED || catalogue.options().studio.is_some();
     let sessions = catalogue.sessions().reports();
     let html = list(&catalogue.states(), &sessions, has_studio);
     (headers, html).into_response()

@@ -69,6 +69,7 @@ mod reply;
 mod session;
 mod sessions;
 mod source;
+mod studio;
 mod sweep;
 mod upload;
 mod watcher;

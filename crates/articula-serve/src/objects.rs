@@ -208,7 +208,7 @@ fn zipped(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap_or_default()
 }
 
-fn unzipped(bytes: &[u8]) -> Option<Vec<u8>> {
+pub(crate) fn unzipped(bytes: &[u8]) -> Option<Vec<u8>> {
     let mut whole = Vec::new();
     let mut decoder = GzDecoder::new(bytes).take(MOST_BYTES);
     decoder.read_to_end(&mut whole).ok().map(|_| whole)

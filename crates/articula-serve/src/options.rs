@@ -15,7 +15,8 @@ pub struct ServeOptions {
     pub token: Option<String>,
     /// Origin of web pages that may read what is served, such as `https://example.com`, or `*` for all; none without.
     pub allow_origin: Option<String>,
-    /// Folder of web pages that are served below `/studio/`; none without.
+    /// Folder of web pages that are served below `/studio/`; without one those that are built in with the feature
+    /// `studio`, if any.
     pub studio: Option<PathBuf>,
     /// Most bytes of a character that is put.
     pub most_bytes: usize,

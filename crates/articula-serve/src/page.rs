@@ -51,7 +51,9 @@ pub(crate) fn list(
     };
     let studio = match has_studio {
         true => "<p>The <a href=\"/studio/#stream\">studio</a> shows them while they arrive.\n",
-        false => "",
+        false => {
+            "<p>The studio, which shows them while they arrive, is not in this program. <code>cargo xtask studio</code> builds one with it, on a machine with Node; <code>--studio DIR</code> serves its pages from a folder.\n"
+        }
     };
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\

@@ -13,6 +13,9 @@ use serde::Serialize;
 /// What changes is asked for again, by its tag.
 pub(crate) const CHANGING: &str = "no-cache";
 
+/// What never changes may be kept for a year.
+pub(crate) const IMMUTABLE: &str = "public, max-age=31536000, immutable";
+
 /// An error as JSON.
 #[derive(Debug, Serialize)]
 struct Fault {

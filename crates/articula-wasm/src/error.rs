@@ -72,6 +72,16 @@ impl Fault {
         }
     }
 
+    /// A malformed file.
+    #[cfg(feature = "publish")]
+    pub(crate) fn invalid(file: &str, what: &str) -> Self {
+        Self {
+            code: "invalid",
+            file: Some(file.to_owned()),
+            ..Self::argument(format!("{file}: {what}"))
+        }
+    }
+
     /// An error of the library about a file.
     pub(crate) fn of_file(error: &articula::Error, file: &str) -> Self {
         let places = error.places();

@@ -1,6 +1,7 @@
 // The module of what is published.
 import { test } from "node:test";
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { load, prepared } from "./load.mjs";
 
 const { Publisher } = await load("publish");
@@ -28,6 +29,13 @@ test("an evaluation tells what joints save and show", () => {
   assert.throws(() => Publisher.evaluate(bytes, "knight.glb", '{"loa": "loa(Low) +"}'), refused);
   assert.throws(() => Publisher.evaluate(bytes, "knight.glb", '{"distances": [0]}'), refused);
   assert.throws(() => Publisher.addFaceClip(bytes, "knight.glb", new Uint8Array(), "face.txt"), refused);
+});
+
+test("a voice needs a recording, and a face", () => {
+  const voice = readFileSync(new URL("../../../assets/speech/librivox_austen_0880.wav", import.meta.url));
+  // The knight has no blend shapes, and a helmet in place of a mouth. What speaks is tested in the studio.
+  assert.throws(() => Publisher.addVoice(bytes, "knight.glb", voice, "austen.wav"), { name: "ArticulaError", file: "knight.glb", message: /closed face with nose and mouth/ });
+  assert.throws(() => Publisher.addVoice(bytes, "knight.glb", new Uint8Array(9), "noise.wav"), { name: "ArticulaError", code: "invalid", file: "noise.wav", message: /noise.wav: not a WAV/ });
 });
 
 test("a file becomes lighter within the error that is asked for", () => {

@@ -4,12 +4,13 @@ import './styles/pages.css';
 
 import { CrowdPage } from './crowd/crowd.js';
 import { DevicesPage } from './devices/devices.js';
+import { ACCEPTED } from './files.js';
 import { FlatPage } from './flat/flat.js';
 import { LighterPage } from './lighter/lighter.js';
 import { StagePage } from './stage/stage.js';
 import { readState, type StudioState } from './state.js';
 import { StreamPage } from './stream/stream.js';
-import { ACCEPTED, Studio } from './studio.js';
+import { Studio } from './studio.js';
 import { h } from './ui/dom.js';
 import { Notices, TaskLine } from './ui/status.js';
 import { themeButton } from './ui/theme.js';
@@ -58,7 +59,7 @@ const header = h('header', { class: 'top' },
   h('h1', {}, 'Articula', h('span', {}, ' studio')),
   nav,
   h('div', { class: 'top-end' }, fileName, openButton, picker, themeButton()));
-const footer = h('footer', { class: 'foot' }, h('p', {}, 'Files stay on this machine: the page reads them here and sends nothing. '), h('p', {}, 'Drop GLB, VRM or FBX for a character, BVH, FAP or CSV for a motion, JSON for a level.'));
+const footer = h('footer', { class: 'foot' }, h('p', {}, 'Files stay on this machine: the page reads them here and sends nothing. '), h('p', {}, 'Drop GLB, VRM or FBX for a character, BVH, FAP or CSV for a motion, WAV for a voice, JSON for a level.'));
 app.append(header, h('div', { class: 'work' }, mainView, sidePanel), footer, notices.element);
 
 void begin();
@@ -101,8 +102,8 @@ function show(studio: Studio, viewport: Viewport): void {
     document.title = `${PAGES.find(([name]) => name === page)?.[1] ?? ''} – Articula studio`;
     mainView.replaceChildren(current.main);
     sidePanel.replaceChildren(task.element, current.panel);
-    current.mount();
     hook.current = current;
+    current.mount();
   };
   const say = (): void => {
     fileName.textContent = studio.character.name;
@@ -128,6 +129,12 @@ function show(studio: Studio, viewport: Viewport): void {
     go(studio.state.page);
   });
   studio.addEventListener('character', say);
+  // A file may belong to another page than the one that it was dropped on.
+  studio.addEventListener('page', () => {
+    if (current !== made.get(studio.state.page)) {
+      go(studio.state.page);
+    }
+  });
   openButton.disabled = false;
   picker.addEventListener('change', () => {
     const file = picker.files?.[0];
@@ -174,6 +181,11 @@ function takeDrops(studio: Studio): void {
   addEventListener('drop', (event) => {
     event.preventDefault();
     end();
+    const given = event.dataTransfer?.items[0]?.webkitGetAsEntry?.();
+    if (given?.isDirectory) {
+      studio.notices.fault(`${given.name} is a folder: drop the files in it one by one. The folder of a digital item is shown by a server: articula serve FOLDER.`);
+      return;
+    }
     const file = event.dataTransfer?.files[0];
     if (file !== undefined) {
       void studio.open(file);

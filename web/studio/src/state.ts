@@ -59,6 +59,8 @@ export interface StudioState {
   by: 'http' | 'session';
   /** Kilobits per second; 0 for as many as come. */
   kbps: number;
+  /** The same of a second session beside the first; 0 for none. */
+  beside: number;
   /** Error in pixels that the viewer tolerates. */
   wanted: number;
   /** Megabytes that the decoded character may take; 0 for any. */
@@ -116,6 +118,7 @@ const USUAL: Readonly<StudioState> = {
   character: '',
   by: 'session',
   kbps: 0,
+  beside: 0,
   wanted: 0.5,
   memory: 0,
 };
@@ -154,6 +157,7 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   lost: [0.05, 16],
   seconds: [1, 60],
   kbps: [0, 100_000],
+  beside: [0, 100_000],
   wanted: [0, 16],
   memory: [0, 4096],
 };

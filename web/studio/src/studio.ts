@@ -1,8 +1,10 @@
 import { Articula } from '@articula/core';
 import { ArticulaAsset } from '@articula/three';
 
+import { baseOf, isItem, kindOf, refused } from './files.js';
 import { KeptTools } from './kept-tools.js';
 import { readState, type StudioState, writeState } from './state.js';
+import { hasCharacters, put } from './stream/server.js';
 import type { Notices, TaskLine } from './ui/status.js';
 import { type CameraKey, readCameraPath } from './view/camera-path.js';
 
@@ -19,15 +21,6 @@ export interface SourceFile {
   readonly name: string;
 }
 
-/** Files that the page opens without a worker. */
-const IS_PLAYED = /\.(glb|vrm)$/i;
-/** Files that are motions: they are added to the character. */
-const IS_MOTION = /\.(bvh|amc|bap|abp|bva|vrma)$/i;
-/** Files that are motions of a face. */
-const IS_FACE = /\.(fap|afp|fba|csv)$/i;
-/** All that may be dropped. */
-export const ACCEPTED = '.fap,.afp,.fba,.csv,.glb,.vrm,.gltf,.fbx,.bvh,.asf,.amc,.bap,.abp,.x3d,.bva,.vrma,.json';
-
 /** Milliseconds from the last change to the permalink. */
 const LINK_MS = 250;
 
@@ -43,6 +36,8 @@ export class Studio extends EventTarget {
   source: SourceFile;
   /** The path of a camera that was recorded or opened; empty without. */
   cameraPath: readonly CameraKey[] = [];
+  /** Recordings that clips speak, as WAV files, by the names of the clips. */
+  readonly voices = new Map<string, Uint8Array>();
   #link = 0;
 
   private constructor(articula: Articula, character: Character, task: TaskLine, notices: Notices, tools: KeptTools) {
@@ -82,13 +77,25 @@ export class Studio extends EventTarget {
   /** Opens a file of the visitor: a character in place of this one, or a motion or a profile for it. */
   async open(file: File): Promise<void> {
     try {
+      const kind = kindOf(file.name);
+      if (kind === 'unknown') {
+        throw refused(file.name);
+      }
       const bytes = new Uint8Array(await file.arrayBuffer());
-      if (/\.json$/i.test(file.name)) {
-        this.#takeJson(new TextDecoder().decode(bytes), file.name);
-      } else if (IS_MOTION.test(file.name) || IS_FACE.test(file.name)) {
-        await this.#addMotion(bytes, file.name);
-      } else {
-        await this.#openCharacter(bytes, file.name);
+      switch (kind) {
+        case 'json':
+          this.#takeJson(new TextDecoder().decode(bytes), file.name);
+          break;
+        case 'item':
+          await this.#offerItem(bytes, file.name);
+          break;
+        case 'motion':
+        case 'face':
+        case 'voice':
+          await this.#addMotion(bytes, file.name);
+          break;
+        default:
+          await this.#openCharacter(bytes, file.name);
       }
     } catch (error) {
       this.notices.fault(error);
@@ -108,7 +115,9 @@ export class Studio extends EventTarget {
     this.task.cancel();
     this.source = { bytes, name };
     this.state.camera = '';
-    if (IS_PLAYED.test(name)) {
+    const isPlayed = kindOf(name) === 'played';
+    this.voices.clear();
+    if (isPlayed) {
       // It plays at once, and with its tables when they are there.
       this.#show(await opened(this.articula, bytes, name));
       if (this.character.asset.core.isPrepared) {
@@ -116,7 +125,7 @@ export class Studio extends EventTarget {
       }
       this.notices.say(`${name} plays. Its tables for pixel errors and crowds are made meanwhile.`);
     }
-    if (!IS_PLAYED.test(name)) {
+    if (!isPlayed) {
       const found = await this.task.run(`Reading ${name}`, (watch) => this.articula.tools.inspect(bytes, name, watch));
       if ((found as { meshes: unknown[] }).meshes.length === 0) {
         await this.#addMotion(bytes, name);
@@ -132,25 +141,50 @@ export class Studio extends EventTarget {
     const glb = await this.task.run(`Preparing ${name}`, (watch) =>
       this.articula.tools.prepare(bytes, name, { ...(!isBare && { meshLevels: 4 }), ...watch }),
     );
-    this.#show(await opened(this.articula, glb, IS_PLAYED.test(name) ? name : `${name}.glb`));
+    this.#show(await opened(this.articula, glb, kindOf(name) === 'played' ? name : `${name}.glb`));
   }
 
   async #addMotion(bytes: Uint8Array, name: string): Promise<void> {
     const { character } = this;
     const { tools } = this.articula;
-    const moved = await this.task.run(`Adding ${name}`, (watch) =>
-      IS_FACE.test(name)
-        ? tools.addFaceClip(character.bytes, character.name, bytes, name, watch)
-        : tools.addClips(character.bytes, character.name, bytes, name, { keepOwn: true, ...watch }),
-    );
+    const kind = kindOf(name);
+    const moved = await this.task.run(`Adding ${name}`, (watch) => {
+      const file = [character.bytes, character.name, bytes, name] as const;
+      return kind === 'voice' ? tools.addVoice(...file, watch) : kind === 'face' ? tools.addFaceClip(...file, watch) : tools.addClips(...file, { keepOwn: true, ...watch });
+    });
     const before = new Set(character.asset.clips);
     const next = await opened(this.articula, moved, character.name);
     const added = next.asset.clips.find((clip) => !before.has(clip)) ?? next.asset.clips.at(-1);
     this.state.clip = added ?? '';
+    if (kind === 'voice') {
+      this.voices.set(this.state.clip, bytes);
+    }
     this.#show(next);
-    this.notices.say(`${name} now moves ${character.name}.`);
+    this.notices.say(kind === 'voice' ? `${character.name} speaks ${name}.` : `${name} now moves ${character.name}.`);
     this.source = { bytes: moved, name: character.name };
     await this.#prepare(moved, character.name);
+  }
+
+  /** Says what is done with a digital item: servers show them, and this one may be given it. */
+  async #offerItem(bytes: Uint8Array, name: string): Promise<void> {
+    if (!isItem(bytes)) {
+      throw new Error(`${name}: a ZIP file without a manifest.json is no digital item. articula package makes one; take other files out of it.`);
+    }
+    if (!(await hasCharacters())) {
+      this.notices.stay(`${name} is a digital item, which a server shows while it arrives: put it in a folder, run articula serve FOLDER, and open the page Stream there.`);
+      return;
+    }
+    this.notices.stay(`${name} is a digital item. Stream shows it once this server has it.`, {
+      label: 'Send it to the server',
+      act: () => this.#sendItem(bytes, baseOf(name)).catch((error: unknown) => this.notices.fault(error)),
+    });
+  }
+
+  async #sendItem(bytes: Uint8Array, name: string): Promise<void> {
+    const character = name.replaceAll(/[^\w.-]/g, '-').replace(/^\./, '');
+    await this.task.run(`Sending ${name}`, () => put(character, bytes));
+    this.set({ character, clip: '', page: 'stream' });
+    this.dispatchEvent(new Event('page'));
   }
 
   /** Takes over a camera path, which is a list, or a LoA profile. */
@@ -164,8 +198,10 @@ export class Studio extends EventTarget {
     } catch (error) {
       throw new Error(`${name}: ${error instanceof Error ? error.message : String(error)}`);
     }
+    this.set({ page: 'stage' });
     this.dispatchEvent(new Event('camera-path'));
-    this.notices.say(`The page Stage replays ${name}.`);
+    this.dispatchEvent(new Event('page'));
+    this.notices.say(`Stage replays ${name}: Camera path, Replay.`);
   }
 
   /** Takes over a LoA profile. */

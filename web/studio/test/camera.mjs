@@ -50,9 +50,11 @@ export const CAMERA = [
       ];
       await context.close();
 
-      const again = await openStudio(browser, server.address, { hash: '#stage?turn=90&nearer=-1' });
-      await again.page.locator('input[type=file]').setInputFiles({ name: 'path.json', mimeType: 'application/json', buffer: Buffer.from(text) });
+      // A path that is dropped on another page opens the one that replays it.
+      const again = await openStudio(browser, server.address, { hash: '#flat?turn=90&nearer=-1' });
+      await again.page.locator('.top input[type=file]').setInputFiles({ name: 'path.json', mimeType: 'application/json', buffer: Buffer.from(text) });
       await again.page.getByText(`${keys.length} keys over`).waitFor();
+      faults.push(...unless(/^#stage/.test(await again.page.evaluate(() => new URL(globalThis.articulaStudio.studio.permalink()).hash)), 'Stage is not shown'));
       await again.page.getByRole('button', { name: 'Replay' }).click();
       for (const frames of [20, 25]) {
         await step(again.page, frames, SECS);
@@ -62,7 +64,7 @@ export const CAMERA = [
       }
       await step(again.page, 30, SECS);
       faults.push(...unless(await again.page.getByRole('button', { name: 'Replay' }).isEnabled(), 'it does not end'));
-      await again.page.locator('input[type=file]').setInputFiles({ name: 'bent.json', mimeType: 'application/json', buffer: Buffer.from('[{"t": 0, "eye": [0, 1], "target": [0, 0, 0]}]') });
+      await again.page.locator('.top input[type=file]').setInputFiles({ name: 'bent.json', mimeType: 'application/json', buffer: Buffer.from('[{"t": 0, "eye": [0, 1], "target": [0, 0, 0]}]') });
       await again.page.getByRole('alert').filter({ hasText: 'bent.json: [0].eye' }).waitFor();
       await again.context.close();
       return [...faults, ...errors, ...again.errors];

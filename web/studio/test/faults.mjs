@@ -8,7 +8,7 @@ export const FAULTS = [
     name: 'a broken file is told, and the page goes on',
     async run({ browser, server }) {
       const { context, page, errors } = await openStudio(browser, server.address);
-      await page.locator('input[type=file]').setInputFiles({ name: 'broken.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from('glTF, or not') });
+      await page.locator('.top input[type=file]').setInputFiles({ name: 'broken.glb', mimeType: 'model/gltf-binary', buffer: Buffer.from('glTF, or not') });
       await page.getByRole('alert').filter({ hasText: 'broken.glb' }).waitFor();
       const before = await page.evaluate(() => globalThis.articulaStudio.frames);
       await step(page, 2, 1 / 30);

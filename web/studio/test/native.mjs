@@ -43,6 +43,13 @@ export function native() {
       writeFileSync(keys, path);
       return JSON.parse(run('lod', model, '--json', '--camera-path', keys, ...words)).camera_path;
     },
+    /** A character or a motion of it in another format. */
+    converted(bytes, to, ...words) {
+      const [from, made] = [join(folder, 'given.glb'), join(folder, `made.${to}`)];
+      writeFileSync(from, bytes);
+      run('convert', from, made, '--force', '--quiet', ...words);
+      return readFileSync(made);
+    },
     /** A file in fewer bytes, and the report about it. */
     optimized(bytes, ...words) {
       const [from, to] = ['heavy.glb', 'lighter.glb'].map((name) => join(folder, name));

@@ -1,11 +1,14 @@
 // The studio in a browser: a page of its own for a test, what it asked the network for, and what went wrong in it.
 import { readFileSync } from 'node:fs';
 
-/** Opens the studio at a fragment, waits until it shows frames, and stops its clock. */
-export async function openStudio(browser, address, { hash = '', width = 640, height = 560, path = '/studio/dist/index.html' } = {}) {
+/** Opens the studio at a fragment, waits until it shows frames, and stops its clock. `before` runs in it at first. */
+export async function openStudio(browser, address, { hash = '', width = 640, height = 560, path = '/studio/dist/index.html', before } = {}) {
   const context = await browser.newContext({ viewport: { width, height } });
   context.setDefaultTimeout(10_000);
   const page = await context.newPage();
+  if (before !== undefined) {
+    await page.addInitScript(before);
+  }
   const errors = [];
   const requests = [];
   page.on('pageerror', (error) => errors.push(`page: ${error.message}`));
@@ -22,7 +25,7 @@ export async function openStudio(browser, address, { hash = '', width = 640, hei
     }
   });
   await page.goto(`${address}${path}${hash}`);
-  await page.waitForFunction(() => globalThis.articulaStudio?.frames > 1, undefined, { timeout: 40_000 });
+  await page.waitForFunction(() => globalThis.articulaStudio?.frames > 3, undefined, { timeout: 40_000 });
   await page.evaluate(() => globalThis.articulaStudio.viewport.run(false));
   return { context, page, errors, requests };
 }
@@ -73,7 +76,7 @@ export async function openFile(page, name, bytes) {
   const shown = page.evaluate(() => new Promise((resolve) => {
     globalThis.articulaStudio.studio.addEventListener('character', () => resolve(globalThis.articulaStudio.studio.character.name), { once: true });
   }));
-  await page.locator('input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(bytes) });
+  await page.locator('.top input[type=file]').setInputFiles({ name, mimeType: 'application/octet-stream', buffer: Buffer.from(bytes) });
   return shown;
 }
 

@@ -4,8 +4,12 @@ import { mkdirSync } from 'node:fs';
 import { browser } from '../../test/browser.mjs';
 import { serve } from '../../test/server.mjs';
 import { CAMERA } from './camera.mjs';
+import { CONTROLS } from './controls.mjs';
 import { DEVICES } from './devices.mjs';
+import { DROPS } from './drops.mjs';
 import { FAULTS } from './faults.mjs';
+import { closeFirefox, FIREFOX } from './firefox.mjs';
+import { FLAT } from './flat.mjs';
 import { LIGHTER } from './lighter.mjs';
 import { LOOKS } from './looks.mjs';
 import { native } from './native.mjs';
@@ -25,7 +29,7 @@ let programs;
 const counts = { passed: 0, failed: 0 };
 try {
   const words = process.argv.slice(2);
-  for (const { name, needs, run } of [...STEERING, ...CAMERA, ...OFFLINE, ...FAULTS, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS].filter((test) => words.every((word) => test.name.includes(word)))) {
+  for (const { name, needs, run } of [...STEERING, ...CONTROLS, ...CAMERA, ...OFFLINE, ...DROPS, ...FAULTS, ...FLAT, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS, ...FIREFOX].filter((test) => words.every((word) => test.name.includes(word)))) {
     const start = performance.now();
     if (needs === 'native') {
       programs ??= native();
@@ -41,6 +45,7 @@ try {
   }
 } finally {
   await started.close();
+  await closeFirefox();
   server.close();
   programs?.end();
   await closeStore();

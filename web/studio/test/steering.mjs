@@ -17,7 +17,40 @@ function paintFaults({ states, colors }, when) {
   return unless(wrong < 0, `${when}: joint ${wrong} is in state ${states[wrong]} and painted ${colors.slice(3 * wrong, 3 * wrong + 3)}`);
 }
 
+/** Notes of each picture, from the first on, how the joints stand and how many triangles are drawn. */
+const watchFrames = () => {
+  globalThis.pictures = [];
+  Object.defineProperty(globalThis, 'articulaStudio', {
+    configurable: true,
+    set(hook) {
+      Object.defineProperty(globalThis, 'articulaStudio', { value: hook, writable: true });
+      const { step } = hook.viewport;
+      hook.viewport.step = function (secs) {
+        step.call(this, secs);
+        const pose = hook.current?.columns?.[0]?.joints().slice().join();
+        globalThis.pictures.push({ pose, triangles: this.renderer.info.render.triangles });
+      };
+    },
+  });
+};
+
 export const STEERING = [
+  {
+    name: 'the first picture has a figure, and it moves with the next ones, by the play module alone',
+    async run({ browser, server }) {
+      const { context, page, errors, requests } = await openStudio(browser, server.address, { before: watchFrames });
+      const pictures = await page.evaluate(() => globalThis.pictures.slice(0, 3));
+      const asked = requests.map((url) => new URL(url).pathname.split('/').at(-1)).filter((name) => /\.(wasm|glb)$/.test(name));
+      await context.close();
+      const shown = pictures.filter(({ pose, triangles }) => pose !== undefined && triangles > 1000);
+      return [
+        ...errors,
+        ...unless(shown.length === 3, `figures in ${shown.length} of the first three pictures`),
+        ...unless(new Set(shown.map(({ pose }) => pose)).size > 1, 'it stands still in the first three pictures'),
+        ...unless(asked.length === 2 && asked.some((name) => name.startsWith('play_bg')), `the first picture waits for ${asked}`),
+      ];
+    },
+  },
   {
     name: 'a moving figure is shown before anything is chosen, and levels steer its joints',
     async run({ browser, server }) {

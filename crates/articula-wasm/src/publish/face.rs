@@ -5,7 +5,8 @@ use crate::error::Fault;
 use crate::opening::{open_alone, open_options};
 use crate::progress::{ProgressCallback, run};
 use articula::convert::write;
-use articula::face::{add_face_shapes, fit_capture, fit_face};
+use articula::face::{FittedFace, add_face_shapes, fit_capture, fit_face};
+use articula::speech::{Sound, SpeechOptions, VisemeTrack, fit_speech};
 use articula::{CharacterFile, Data, DataFormat, Format, open_data};
 use wasm_bindgen::prelude::*;
 
@@ -27,22 +28,53 @@ impl Publisher {
             let what = "motions of faces are .fap, .afp, .fba and .csv files";
             return Err(Fault::argument(format!("{motion_name}: {what}")).into());
         };
-        run(progress, name, |_| {
-            let mut character = open_alone(bytes, name)?;
-            if !has_face(&character) {
-                add_face_shapes(&mut character, &[])?;
-            }
+        with_face_clip(bytes, name, progress, |character| {
             let read = open_data(motion, motion_name, format, &open_options())?;
-            let fitted = match &read.data {
-                Data::LiveLink(capture) => fit_capture(capture, motion_name, &character)?,
-                Data::Fap(clip) => fit_face(clip, motion_name, &character)?,
+            Ok(match &read.data {
+                Data::LiveLink(capture) => Some(fit_capture(capture, motion_name, character)?),
+                Data::Fap(clip) => Some(fit_face(clip, motion_name, character)?),
                 // Formats that animate no face were refused.
-                Data::Epf(_) | Data::Fdp(_) => return write_as(&character),
-            };
-            character.put_clips(vec![fitted.fitted], true);
-            write_as(&character)
+                Data::Epf(_) | Data::Fdp(_) => None,
+            })
         })
     }
+
+    /// Adds what a face does while it speaks a recording, a WAV file of one voice, and returns the character as a GLB
+    /// or VRM file. Faces without blend shapes are given some, as by `addFaceClip`.
+    #[wasm_bindgen(js_name = addVoice)]
+    pub fn add_voice(
+        bytes: &[u8],
+        name: &str,
+        voice: &[u8],
+        #[wasm_bindgen(js_name = voiceName)] voice_name: &str,
+        progress: Option<ProgressCallback>,
+    ) -> Result<Vec<u8>, JsValue> {
+        let sound = Sound::from_wav(voice)
+            .map_err(|error| Fault::invalid(voice_name, &error.to_string()))?;
+        with_face_clip(bytes, name, progress, |character| {
+            let track = VisemeTrack::recognised(&sound);
+            fit_speech(&track, voice_name, character, &SpeechOptions::default()).map(Some)
+        })
+    }
+}
+
+/// The file of a character with one more clip, after it has been given a face if it has none.
+fn with_face_clip(
+    bytes: &[u8],
+    name: &str,
+    progress: Option<ProgressCallback>,
+    fit: impl FnOnce(&CharacterFile) -> articula::Result<Option<FittedFace>>,
+) -> Result<Vec<u8>, JsValue> {
+    run(progress, name, |_| {
+        let mut character = open_alone(bytes, name)?;
+        if !has_face(&character) {
+            add_face_shapes(&mut character, &[])?;
+        }
+        if let Some(fitted) = fit(&character)? {
+            character.put_clips(vec![fitted.fitted], true);
+        }
+        write_as(&character)
+    })
 }
 
 fn has_face(character: &CharacterFile) -> bool {

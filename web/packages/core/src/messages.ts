@@ -40,6 +40,7 @@ export type Task =
   | FileTask<'package'>
   | (FileTask<'convert'> & { readonly to: string })
   | (FileTask<'addFaceClip'> & { readonly motion: Uint8Array; readonly motionName: string })
+  | (FileTask<'addVoice'> & { readonly voice: Uint8Array; readonly voiceName: string })
   | (FileTask<'addClips'> & { readonly motion: Uint8Array; readonly motionName: string });
 
 /** What a task returns. */

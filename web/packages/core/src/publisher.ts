@@ -29,6 +29,8 @@ serve(
         });
       case 'addFaceClip':
         return Publisher.addFaceClip(bytes, name, task.motion, task.motionName, report);
+      case 'addVoice':
+        return Publisher.addVoice(bytes, name, task.voice, task.voiceName, report);
       case 'benchmark':
         return Publisher.benchmark(bytes, name, options, report);
       case 'evaluate':

@@ -100,7 +100,7 @@ export interface ToolsSource {
   /** The worker that prepares and converts, and its module. */
   readonly worker?: (() => Worker) | undefined;
   readonly wasm?: string | URL | undefined;
-  /** The worker that makes 2D pictures, items, lighter files and motions of faces, and evaluates; its module. */
+  /** The worker that makes 2D pictures, items, lighter files, motions of faces and voices, and evaluates; its module. */
   readonly publisher?: (() => Worker) | undefined;
   readonly publishWasm?: string | URL | undefined;
 }
@@ -109,7 +109,7 @@ export interface ToolsSource {
 const IS_PUBLISHED = /\.(glb|vrm)$/i;
 
 /** What the publisher does. */
-const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'evaluate', 'optimize', 'benchmark']);
+const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'evaluate', 'optimize', 'benchmark']);
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -150,6 +150,18 @@ export class Tools {
   ): Promise<Uint8Array> {
     const file = await this.#published(bytes, name, options);
     return this.#run({ call: 'addFaceClip', ...file, motion, motionName, ...split(options) });
+  }
+
+  /** Returns the character with a clip of its face that speaks a recording, a WAV file of one voice. */
+  async addVoice(
+    bytes: Uint8Array,
+    name: string,
+    voice: Uint8Array,
+    voiceName: string,
+    options: TaskOptions = {},
+  ): Promise<Uint8Array> {
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'addVoice', ...file, voice, voiceName, ...split(options) });
   }
 
   /** Returns a clip as a moving picture of 2D shapes. */

@@ -45,8 +45,9 @@ export class CrowdPage {
     this.#before = { ...studio.state };
     const { state } = studio;
     const set = (change: Partial<StudioState>): void => studio.set(change);
-    const near = COUNTS.reduce((best, n, i) => (Math.abs(n - state.count) < Math.abs((COUNTS[best] ?? 0) - state.count) ? i : best), 0);
-    const count = slider({ label: 'Characters', min: 0, max: COUNTS.length - 1, step: 1, value: near, shown: (i) => (COUNTS[i] ?? 0).toLocaleString('en'), onInput: (i) => set({ count: COUNTS[i] ?? 1 }) });
+    // A link may name a count that the slider would not stop at.
+    const counts = [...new Set([...COUNTS, state.count])].toSorted((a, b) => a - b);
+    const count = slider({ label: 'Characters', min: 0, max: counts.length - 1, step: 1, value: counts.indexOf(state.count), shown: (i) => (counts[i] ?? 0).toLocaleString('en'), onInput: (i) => set({ count: counts[i] ?? 1 }) });
     const detail = segmented('Detail by', [['tolerance', 'Error'], ['budget', 'Time'], ['full', 'All joints']], state.detail, (word) => set({ detail: word as StudioState['detail'] }));
     this.#tolerance = slider({ label: 'Tolerated error', min: 0.1, max: 16, step: 0.1, value: state.tolerance, shown: (px) => `${px.toFixed(1)} px`, onInput: (px) => set({ tolerance: px }) });
     this.#budget = slider({ label: 'Time for a frame', min: 0.02, max: 8, step: 0.02, value: state.budget, shown: (ms) => `${ms.toFixed(2)} ms`, onInput: (ms) => set({ budget: ms }) });

@@ -108,7 +108,7 @@ export class DevicesPage {
         h('td', {}, reference === undefined ? String(grade) : inWords(application, reference)),
         ...[fps, predicted, reference?.fps ?? 0].map((value) => h('td', { class: 'number' }, value.toFixed(value < 100 ? 1 : 0))));
     });
-    const head = ['Content', 'Measured', 'Predicted', 'At 100 %'].map((text) => h('th', { scope: 'col' }, text));
+    const head = ['Content', 'Measured', 'Predicted', 'At\u00a0100\u00a0%'].map((text) => h('th', { scope: 'col' }, text));
     const caption = 'Frames a second';
     const table = h('table', {}, h('caption', {}, caption), h('thead', {}, h('tr', {}, ...head)), h('tbody', {}, ...rows));
     out.dataset.result = JSON.stringify(result);

@@ -1,10 +1,12 @@
 import type { StudioState } from '../state.js';
+import { baseOf } from '../files.js';
 import { chosenClip, loopedSecs, type Studio } from '../studio.js';
 import { StageColumn } from '../stage/column.js';
 import { button, choice, section, segmented, slider } from '../ui/controls.js';
 import { download, h, inBytes } from '../ui/dom.js';
 import { Readout, TaskLine } from '../ui/status.js';
 import type { Viewport } from '../view/viewport.js';
+import { type Background, PICTURES, readBackground, withBackground } from './background.js';
 import { type Preview, preview } from './preview.js';
 
 /** The report of `articula flatten --json`, as far as it is shown. */
@@ -39,8 +41,14 @@ export class FlatPage {
   readonly #download: HTMLButtonElement;
   #column: StageColumn | undefined;
   #preview: Preview | undefined;
+  #background: Background | undefined;
+  readonly #backdrop = h('img', { class: 'backdrop', alt: '', hidden: true });
+  readonly #remove = button('Remove it', () => this.#stand(undefined));
+  readonly #named = h('p', { class: 'hint', hidden: true });
   #made: { bytes: Uint8Array; form: StudioState['form']; name: string } | undefined;
   #secs = 0;
+  /** Size of the view that the camera stands for. */
+  #size: readonly [number, number] = [0, 0];
 
   constructor(studio: Studio, viewport: Viewport) {
     this.#studio = studio;
@@ -60,12 +68,22 @@ export class FlatPage {
     const make = button('Make the picture', () => void this.make(), 'primary');
     this.#download = button('Download', () => this.#save());
     this.#download.disabled = true;
+    const picker = h('input', { type: 'file', accept: PICTURES, hidden: true, 'aria-label': 'Background picture' });
+    picker.addEventListener('change', () => {
+      const file = picker.files?.[0];
+      if (file !== undefined) {
+        readBackground(file).then((read) => this.#stand(read), (error: unknown) => studio.notices.fault(error));
+      }
+      picker.value = '';
+    });
+    const behind = h('div', { class: 'buttons' }, button('Choose a background', () => picker.click()), this.#remove, picker);
     const frame = h('figure', { class: 'picture-frame' }, h('figcaption', {}, '3D'));
-    const flat = h('figure', { class: 'picture-frame flat-frame' }, h('figcaption', {}, '2D'), this.#shown);
+    const flat = h('figure', { class: 'picture-frame flat-frame' }, h('figcaption', {}, '2D'), this.#backdrop, this.#shown);
     this.main = h('div', { class: 'stage flat' }, frame, flat);
     this.panel = h('div', { class: 'panel-body' },
-      section('Picture', true, form.element, this.#clip.element, triangles.element, yaw.element, h('div', { class: 'buttons' }, make, this.#download), this.#task.element),
+      section('Picture', true, form.element, this.#clip.element, triangles.element, yaw.element, behind, this.#named, h('div', { class: 'buttons' }, make, this.#download), this.#task.element),
       section('Sizes and errors', true, this.#readout.element, h('p', { class: 'hint' }, 'Errors compare the picture with the character that was simplified for it, frame by frame, as articula flatten --json tells them.')));
+    this.#stand(undefined);
     this.#empty();
     studio.addEventListener('character', () => this.#renew());
   }
@@ -95,7 +113,7 @@ export class FlatPage {
           ...watch,
         }),
       );
-      this.#made = { bytes: made.bytes, form, name: name.replace(/(\.[a-z0-9]+)+$/i, '') };
+      this.#made = { bytes: made.bytes, form, name: baseOf(name) };
       this.#preview?.end();
       this.#preview = await preview(this.#shown, form, made.bytes);
       this.#download.disabled = false;
@@ -122,8 +140,22 @@ export class FlatPage {
   #save(): void {
     if (this.#made !== undefined) {
       const [extension, type] = FILES[this.#made.form];
-      download(this.#made.bytes, `${this.#made.name}.${extension}`, type);
+      const { bytes, form, name } = this.#made;
+      const isFilled = form === 'svg' && this.#background !== undefined;
+      download(isFilled ? withBackground(bytes, this.#background as Background) : bytes, `${name}.${extension}`, type);
     }
+  }
+
+  /** Puts a picture behind the character, or none. */
+  #stand(background: Background | undefined): void {
+    URL.revokeObjectURL(this.#backdrop.src);
+    this.#background = background;
+    this.#backdrop.hidden = background === undefined;
+    if (background !== undefined) {
+      this.#backdrop.src = URL.createObjectURL(new Blob([background.bytes as BlobPart], { type: background.type }));
+    }
+    this.#remove.hidden = this.#named.hidden = background === undefined;
+    this.#named.textContent = background === undefined ? '' : `${background.name} is behind it, and in the SVG that is downloaded; sizes and errors are those of the character alone.`;
   }
 
   #empty(): void {
@@ -168,6 +200,11 @@ export class FlatPage {
   }
 
   #frame(dtSecs: number): void {
+    const { width, height } = this.#viewport.columnSize;
+    if (this.#viewport.isFitted && (width !== this.#size[0] || height !== this.#size[1])) {
+      this.#size = [width, height];
+      this.#look();
+    }
     this.#secs = loopedSecs(this.#studio, this.#secs + dtSecs);
     this.#column?.update(performance.now() / 1000, this.#secs, this.#viewport);
   }

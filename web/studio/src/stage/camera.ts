@@ -1,5 +1,6 @@
 import { Vector3 } from 'three';
 
+import { baseOf } from '../files.js';
 import type { Studio } from '../studio.js';
 import { button, section } from '../ui/controls.js';
 import { download, h } from '../ui/dom.js';
@@ -37,10 +38,15 @@ export class CameraPanel {
     this.#first = first;
     const hint = h('p', { class: 'hint' }, 'Begins with the clip. The file is that of articula lod --camera-path; drop one to replay it.');
     this.element = section('Camera path', false, h('div', { class: 'buttons' }, this.#record, this.#replay, this.#save), this.#said, hint);
-    studio.addEventListener('camera-path', () => {
-      this.element.setAttribute('open', '');
+    // A path that was dropped on another page is shown by the page that is made for it.
+    const open = (): void => {
+      this.element.toggleAttribute('open', true);
       this.renew();
-    });
+    };
+    studio.addEventListener('camera-path', open);
+    if (studio.cameraPath.length > 0) {
+      open();
+    }
     viewport.controls.addEventListener('start', () => {
       if (this.#does === 'replay') {
         this.end();
@@ -146,7 +152,7 @@ export class CameraPanel {
   }
 
   #download(): void {
-    const base = this.#studio.character.name.replace(/(\.[a-z0-9]+)+$/i, '');
+    const base = baseOf(this.#studio.character.name);
     download(writeCameraPath(this.#studio.cameraPath), `${base}-camera.json`, 'application/json');
   }
 }

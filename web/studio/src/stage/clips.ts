@@ -24,7 +24,7 @@ export class ClipsPanel {
     const playing = asset.clips.includes(this.#studio.state.clip) ? this.#studio.state.clip : asset.clips[0];
     const rows = asset.clips.map((name, i) => {
       const joints = asset.core.clipJoints(i).length;
-      const about = `${(asset.clipSecs[i] ?? 0).toFixed(2)} s · ${joints} joints · ${inBytes(bytes[i] ?? 0)}`;
+      const about = `${(asset.clipSecs[i] ?? 0).toFixed(2)} s · ${joints} ${joints === 1 ? 'joint' : 'joints'} · ${inBytes(bytes[i] ?? 0)}`;
       return h('button', { type: 'button', role: 'radio', 'aria-checked': name === playing, class: 'clip', onclick: () => this.#play(name) }, h('span', {}, name), h('small', {}, about));
     });
     this.#list.replaceChildren(...rows);

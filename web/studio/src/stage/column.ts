@@ -34,6 +34,11 @@ const AHEAD = 0.37;
 const BESIDE = 0.5;
 const BEHIND = 0.35;
 
+/** By how much wider a figure with so many clones is than alone, by its height. */
+export function widthOf(clones: number): number {
+  return 2 * Math.ceil(clones / 2) * BESIDE;
+}
+
 /** One figure with its skeleton, and its clones, on the clock of the page. */
 export class StageColumn {
   readonly root = new Group();

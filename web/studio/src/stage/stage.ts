@@ -3,10 +3,10 @@ import { h } from '../ui/dom.js';
 import type { StudioState } from '../state.js';
 import type { Studio } from '../studio.js';
 import { packCameras } from './view-of.js';
-import type { Viewport } from '../view/viewport.js';
+import { type Viewport, WIDTH_TO_HEIGHT } from '../view/viewport.js';
 import { CameraPanel } from './camera.js';
 import { ClipsPanel } from './clips.js';
-import { type ColumnRule, StageColumn } from './column.js';
+import { type ColumnRule, StageColumn, widthOf } from './column.js';
 import { EvaluatePanel } from './evaluate.js';
 import { FacePanel } from './face.js';
 import { chosenJoints, LEVELS, LevelsPanel, spoken } from './levels.js';
@@ -15,6 +15,7 @@ import { MetricPanel } from './metric.js';
 import { placement } from './placement.js';
 import { takeHome } from './take-home.js';
 import { Timeline } from './timeline.js';
+import { VoiceSound } from './voice.js';
 
 /** Fields of the state whose change makes the metric and its transitions anew. */
 const STEERED = ['metric', 'pixels', 'threshold', 'farthest', 'curve', 'lookup', 'transition', 'ease', 'passive'] as const;
@@ -28,6 +29,7 @@ export class StagePage {
   readonly panel: HTMLElement;
   columns: StageColumn[] = [];
   readonly timeline: Timeline;
+  readonly voice: VoiceSound;
   readonly #studio: Studio;
   readonly #viewport: Viewport;
   readonly #levels: LevelsPanel;
@@ -47,7 +49,8 @@ export class StagePage {
     this.#studio = studio;
     this.#viewport = viewport;
     this.#before = { ...studio.state };
-    this.timeline = new Timeline(studio);
+    this.voice = new VoiceSound(studio.notices);
+    this.timeline = new Timeline(studio, this.voice.element);
     this.#levels = new LevelsPanel(studio);
     this.#metric = new MetricPanel(studio);
     this.#clips = new ClipsPanel(studio);
@@ -57,7 +60,7 @@ export class StagePage {
     const key = (kind: string, word: string, count: HTMLElement): HTMLElement => h('li', { class: kind }, word, ' ', count);
     const legend = h('ul', { class: 'state-key', 'aria-label': 'Joints by state' }, key('active', 'active', this.#counts.active), key('passive', 'passive', this.#counts.passive), key('changing', 'in transition', this.#counts.changing));
     this.main = h('div', { class: 'stage' }, h('div', { class: 'picture-frame' }, this.#labels, legend), this.timeline.element);
-    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, evaluate.element, takeHome(studio));
+    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, evaluate.element, takeHome(studio, viewport));
     studio.addEventListener('state', () => this.#follow());
     studio.addEventListener('character', () => this.#renew());
     studio.addEventListener('selection', () => this.#levels.renew());
@@ -70,6 +73,7 @@ export class StagePage {
 
   unmount(): void {
     this.#camera.end();
+    this.voice.end();
     this.columns[0]?.dress({ ...this.#studio.state, body: 'solid' });
     this.#clear();
   }
@@ -114,16 +118,19 @@ export class StagePage {
     this.#camera.end();
     this.#clear();
     this.#select();
-    const { asset } = this.#studio.character;
     this.#levels.renew();
     this.#metric.renew();
     this.#clips.renew();
     this.#face.renew();
     this.#makeColumns();
     if (!this.#viewport.place(this.#studio.state.camera)) {
-      this.#viewport.fit(asset.bounds, YAW);
+      this.#fit();
     }
     this.#viewport.step(0);
+  }
+
+  #fit(): void {
+    this.#viewport.fit(this.#studio.character.asset.bounds, YAW, undefined, WIDTH_TO_HEIGHT + widthOf(this.#studio.state.clones));
   }
 
   #makeColumns(): void {
@@ -154,6 +161,7 @@ export class StagePage {
     const { asset } = this.#studio.character;
     const clip = Math.max(asset.clips.indexOf(this.#studio.state.clip), 0);
     this.timeline.setLength(asset.clipSecs[clip] ?? 1);
+    this.voice.load(this.#studio.voices.get(asset.clips[clip] ?? ''));
     if (asset.clips.length > 0) {
       this.columns.forEach((column) => column.play(clip, this.timeline.secs));
     }
@@ -193,7 +201,9 @@ export class StagePage {
     }
     if (differs('columns')) {
       state.camera = '';
-      this.#viewport.fit(this.#studio.character.asset.bounds, YAW);
+      this.#fit();
+    } else if (differs('clones') && this.#viewport.isFitted) {
+      this.#fit();
     }
     if (differs(...STEERED)) {
       const rules = this.#rules();
@@ -212,6 +222,9 @@ export class StagePage {
   #frame(dtSecs: number): void {
     this.timeline.advance(dtSecs);
     this.#camera.frame(dtSecs);
+    this.#face.frame(dtSecs);
+    const { playing, speed } = this.#studio.state;
+    this.voice.follow(this.timeline.secs, playing, speed);
     const start = performance.now();
     for (const column of this.columns) {
       column.update(this.timeline.now, this.timeline.secs, this.#viewport);

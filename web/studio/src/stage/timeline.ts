@@ -19,7 +19,8 @@ export class Timeline {
   readonly #icon = document.createElementNS('http://www.w3.org/2000/svg', 'path');
   #length = 1;
 
-  constructor(studio: Studio) {
+  /** `more` is shown beside its buttons. */
+  constructor(studio: Studio, more: HTMLElement) {
     this.#studio = studio;
     this.secs = studio.state.at;
     const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
@@ -36,7 +37,7 @@ export class Timeline {
       this.pause();
       this.seek(this.#time.valueAsNumber);
     });
-    this.element = h('div', { class: 'timeline' }, this.#play, this.#time, this.#shown, loop, speed.element);
+    this.element = h('div', { class: 'timeline' }, this.#play, this.#time, this.#shown, loop, more, speed.element);
     this.#paint();
   }
 

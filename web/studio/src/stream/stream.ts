@@ -8,7 +8,9 @@ import { Course } from '../ui/course.js';
 import { h, inBytes } from '../ui/dom.js';
 import { Readout } from '../ui/status.js';
 import type { Viewport } from '../view/viewport.js';
+import { StreamBeside } from './beside.js';
 import { EventLog } from './events.js';
+import { contextOf, reasonOf } from './reasons.js';
 import { characters, SERVER, sessions } from './server.js';
 
 /** Rates that the slider stops at, in kilobits per second; the last is as many as come. */
@@ -36,6 +38,8 @@ export class StreamPage {
     kept: KEPT,
   });
   readonly #note = h('div', { class: 'overlay-note', role: 'status', hidden: true });
+  readonly #reason = h('p', { class: 'said' });
+  readonly #beside = new StreamBeside();
   readonly #sessions = h('tbody', {});
   readonly #character: ReturnType<typeof choice>;
   readonly #clip: ReturnType<typeof choice>;
@@ -52,6 +56,8 @@ export class StreamPage {
     const steer = (change: Partial<StudioState>): void => {
       studio.set(change);
       this.stream?.setContext(this.#context());
+      this.#beside.stream?.setContext(this.#context(studio.state.beside));
+      this.#log.say(contextOf(studio.state));
     };
     const again = (change: Partial<StudioState>): void => {
       studio.set(change);
@@ -61,6 +67,7 @@ export class StreamPage {
     this.#clip = choice('Clip', [], '', (clip) => {
       studio.set({ clip });
       this.stream?.play(clip);
+      this.#beside.play(clip);
     });
     const by = segmented('Who decides', [['session', 'The server'], ['http', 'This page']], state.by, (word) => again({ by: word as StudioState['by'] }));
     const rate = slider({
@@ -72,6 +79,8 @@ export class StreamPage {
       shown: (i) => (RATES[i] === 0 ? 'as it comes' : `${(RATES[i] ?? 0).toLocaleString('en')} kbit/s`),
       onInput: (i) => steer({ kbps: RATES[i] ?? 0 }),
     });
+    const others = RATES.slice(0, -1).map((kbps) => [String(kbps), `${kbps.toLocaleString('en')} kbit/s`] as const);
+    const beside = choice('Another session at', [['0', 'none'], ...others], String(state.beside), (kbps) => again({ beside: Number(kbps) }));
     const wanted = slider({ label: 'Tolerated error', min: 0, max: 8, step: 0.25, value: state.wanted, shown: (px) => `${px} px`, onInput: (px) => steer({ wanted: px }) });
     const memory = slider({ label: 'Memory for it', min: 0, max: 64, step: 1, value: state.memory, shown: (mb) => (mb === 0 ? 'any' : `${mb} MB`), onInput: (mb) => steer({ memory: mb }) });
     const anew = button('Begin anew', () => this.#connect(), 'primary');
@@ -79,8 +88,8 @@ export class StreamPage {
     const table = h('table', {}, h('caption', {}, 'Open now, of all pages and programs'), h('thead', {}, head), this.#sessions);
     this.main = h('div', { class: 'stage crowd' }, h('div', { class: 'picture-frame' }, this.#note));
     this.panel = h('div', { class: 'panel-body' },
-      section('What has come', true, this.#readout.element, this.#course.element),
-      section('Delivery', true, this.#character.element, this.#clip.element, by.element, rate.element, wanted.element, memory.element, h('p', { class: 'hint' }, 'Move the camera away, and less is asked for.'), h('div', { class: 'buttons' }, anew)),
+      section('What has come', true, this.#reason, this.#readout.element, this.#course.element),
+      section('Delivery', true, this.#character.element, this.#clip.element, by.element, rate.element, beside.element, wanted.element, memory.element, h('p', { class: 'hint' }, 'Move the camera away, and less is asked for.'), h('div', { class: 'buttons' }, anew)),
       section('Events', true, this.#log.element),
       section('Sessions of the server', false, h('div', { class: 'table-scroll', tabindex: 0, role: 'region', 'aria-label': 'Sessions' }, table)));
   }
@@ -105,7 +114,7 @@ export class StreamPage {
       return;
     }
     if (found === undefined) {
-      this.#say('These pages come from a server without characters.', 'Serve a folder of them with its pages: articula serve FOLDER --studio web/studio/dist');
+      this.#say('These pages come from a server without characters.', 'Serve a folder of them with its pages:', 'articula serve FOLDER --studio web/studio/dist');
       return;
     }
     if (found.length === 0) {
@@ -150,16 +159,22 @@ export class StreamPage {
       this.#studio.notices.fault(error);
     });
     this.#viewport.scene.add(stream);
+    const { beside } = this.#studio.state;
+    if (beside > 0) {
+      this.#beside.begin(this.#viewport.scene, character, { by, context: this.#context(beside) });
+    }
   }
 
   #end(): void {
     this.stream?.dispose();
     this.stream = undefined;
+    this.#beside.end();
+    this.#reason.textContent = '';
   }
 
   /** What the page tells of network, device and viewer. */
-  #context(): NonNullable<ConstructorParameters<typeof ArticulaStream>[2]>['context'] & object {
-    const { kbps, wanted, memory } = this.#studio.state;
+  #context(kbps = this.#studio.state.kbps): NonNullable<ConstructorParameters<typeof ArticulaStream>[2]>['context'] & object {
+    const { wanted, memory } = this.#studio.state;
     const { width, height } = this.#viewport.columnSize;
     return {
       network: kbps > 0 ? { available_bps: 1000 * kbps } : {},
@@ -174,12 +189,16 @@ export class StreamPage {
       return;
     }
     this.#frames += 1;
-    stream.update(dtSecs, this.#isFitted ? this.#viewport.camera : undefined);
+    const camera = this.#isFitted ? this.#viewport.camera : undefined;
+    stream.update(dtSecs, camera);
+    this.#beside.update(dtSecs, camera);
     const sphere = stream.mesh?.boundingSphere;
     if (!this.#isFitted && sphere && sphere.radius > 0) {
       this.#isFitted = true;
       this.#note.hidden = true;
-      this.#viewport.fit(sphere.getBoundingBox(new Box3()), 0);
+      const box = sphere.getBoundingBox(new Box3());
+      this.#viewport.fit(box, 0);
+      this.#beside.stand(box);
       this.#clip.fill(stream.clips.map((name) => [name, name] as const));
     }
     this.#tell(stream);
@@ -191,10 +210,15 @@ export class StreamPage {
       return;
     }
     const { level, levels, target } = report;
+    const reason = reasonOf(report, this.#studio.state);
+    if (reason !== this.#reason.textContent) {
+      this.#reason.textContent = reason;
+    }
     if (level !== this.#level && level > 0) {
-      this.#log.say(`level ${level} of ${levels}`);
+      this.#log.say(`level ${level} of ${levels}: ${reason}`);
     }
     this.#level = level;
+    this.#readout.set('The other session', this.#beside.said);
     this.#readout.set('Level', level === 0 ? 'nothing yet' : `${level} of ${levels}`);
     this.#readout.set('The rate carries', `level ${target}`);
     this.#readout.set('Level of articulation', report.loa?.toString());
@@ -233,8 +257,8 @@ export class StreamPage {
     this.#sessions.replaceChildren(...rows);
   }
 
-  #say(text: string, more = ''): void {
-    this.#note.replaceChildren(h('div', { class: 'empty' }, h('strong', {}, text), more !== '' && h('p', {}, more)));
+  #say(text: string, more = '', command = ''): void {
+    this.#note.replaceChildren(h('div', { class: 'empty' }, h('strong', {}, text), more !== '' && h('p', {}, more), command !== '' && h('code', {}, command)));
     this.#note.hidden = false;
   }
 }

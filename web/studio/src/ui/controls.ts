@@ -56,6 +56,10 @@ export function choice(
   const fill = (all: readonly (readonly [string, string])[]): void => {
     const kept = select.value;
     select.replaceChildren(...all.map(([key, text]) => h('option', { value: key }, text)));
+    select.disabled = all.length === 0;
+    if (all.length === 0) {
+      select.append(h('option', { value: '' }, 'none yet'));
+    }
     if (all.some(([key]) => key === kept)) {
       select.value = kept;
     }

@@ -37,6 +37,10 @@ export class Course {
     const legend = h('ul', { class: 'plot-key' }, key('line-joints', lines[0]), key('line-error', lines[1]));
     this.element = h('div', {}, legend, this.#plotted);
     void this.#make();
+    // Colours of the theme are read when it is drawn.
+    const renew = (): void => void requestAnimationFrame(() => this.#plot?.redraw());
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', renew);
+    addEventListener('themechange', renew);
   }
 
   /** Takes over two values; they are shown with the next {@link draw}. */

@@ -59,6 +59,17 @@ export class Notices {
     this.#show(text, 'said');
   }
 
+  /** News that stays until it is closed, with what may be done about it. */
+  stay(text: string, action?: { readonly label: string; readonly act: () => unknown }): void {
+    const notice = this.#show(text, 'stays');
+    if (action !== undefined) {
+      notice.firstElementChild?.append(button(action.label, () => {
+        notice.remove();
+        action.act();
+      }, 'primary small'));
+    }
+  }
+
   fault(error: unknown): void {
     if (error instanceof Error && 'code' in error && error.code === 'cancelled') {
       return;
@@ -66,13 +77,14 @@ export class Notices {
     this.#show(error instanceof Error ? error.message : String(error), 'fault');
   }
 
-  #show(text: string, kind: string): void {
+  #show(text: string, kind: string): HTMLElement {
     const close = h('button', { type: 'button', class: 'close', 'aria-label': 'Close', onclick: () => notice.remove() }, '×');
-    const notice = h('div', { class: `notice ${kind}`, role: kind === 'fault' ? 'alert' : undefined }, h('p', {}, text), close);
+    const notice = h('div', { class: `notice ${kind}`, role: kind === 'fault' ? 'alert' : undefined }, h('div', { class: 'stack' }, h('p', {}, text)), close);
     this.element.replaceChildren(notice);
     if (kind === 'said') {
       setTimeout(() => notice.remove(), 6000);
     }
+    return notice;
   }
 }
 

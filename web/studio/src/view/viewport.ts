@@ -19,7 +19,7 @@ import { h } from '../ui/dom.js';
 const FOV_DEG = 45;
 /** Share of the picture's height that a character fills, and its width by its height with room for arms. */
 const FILLED = 0.74;
-const WIDTH_TO_HEIGHT = 0.46;
+export const WIDTH_TO_HEIGHT = 0.46;
 /** Least height that is fitted. */
 const LEAST_METRES = 0.2;
 /** Longest step of a frame in seconds, after the page was hidden. */
@@ -46,7 +46,7 @@ export class Viewport {
   readonly #lost = h('div', { class: 'overlay-note', role: 'alert', hidden: true }, 'The graphics context was lost. It comes back by itself, or with a reload.');
   #last = 0;
   /** What the picture is fitted to, until the visitor moves the camera. */
-  #fitted: readonly [Box3, number, number] | undefined;
+  #fitted: readonly [Box3, number, number, number] | undefined;
   #width = 1;
   #height = 1;
 
@@ -110,14 +110,16 @@ export class Viewport {
     return { width: this.#width / across, height: this.#height / rows };
   }
 
-  /** Places the camera so that the height of a box fills the picture, at a yaw from the front in radians. */
-  fit(box: Box3, yaw: number, filled = FILLED): void {
+  /**
+   * Places the camera so that the height of a box fills a share of the picture, at a yaw from the front in radians. What is
+   * shown is `wide` by its height.
+   */
+  fit(box: Box3, yaw: number, filled = FILLED, wide = WIDTH_TO_HEIGHT): void {
     const height = Math.max(box.max.y - box.min.y, LEAST_METRES);
     const distance = height / filled / 2 / Math.tan((FOV_DEG * Math.PI) / 360);
     const { width, height: pixels } = this.columnSize;
-    // Narrow columns are as wide as an arm span of the character.
-    const far = Math.max(distance, (distance * WIDTH_TO_HEIGHT * pixels) / width);
-    this.#fitted = [box, yaw, filled];
+    const far = Math.max(distance, (distance * wide * pixels) / width);
+    this.#fitted = [box, yaw, filled, wide];
     box.getCenter(this.controls.target);
     this.controls.target.y -= 0.02 * height;
     const direction = new Vector3(Math.sin(yaw), 0.12, Math.cos(yaw)).normalize();
@@ -183,6 +185,17 @@ export class Viewport {
   step(dtSecs: number): void {
     this.advance(dtSecs);
     this.#draw();
+  }
+
+  /** What is shown now, as a PNG. */
+  async picture(): Promise<Uint8Array> {
+    this.step(0);
+    // The picture is taken before the browser clears it.
+    const blob = await new Promise<Blob | null>((resolve) => this.renderer.domElement.toBlob(resolve));
+    if (blob === null) {
+      throw new Error('the browser gives no picture of this canvas');
+    }
+    return new Uint8Array(await blob.arrayBuffer());
   }
 
   #frame(ms: number): void {
