@@ -89,6 +89,14 @@ fn several_files_go_into_a_folder_and_what_cannot_shrink_is_kept() {
     let bytes = |name: &str| std::fs::read(folder.join(Path::new(name))).unwrap();
     assert_eq!(bytes("b.glb"), bytes("out/b.glb"));
     assert!(bytes("out/a.glb").len() < bytes("a.glb").len());
+    assert_eq!(files[1]["bytes_out"], files[1]["bytes_in"]);
+    assert_eq!(files[1]["error_mm"], 0.0);
+    for limits in [&[][..], &["--max-triangles", "100000"]] {
+        let again = ["optimize", "b.glb", "c.glb", "--error", "5mm", "--force"];
+        let again = json(&folder, &[&again[..], limits].concat());
+        assert_eq!(again["kept_as_it_is"], true, "{again}");
+        assert_eq!(bytes("c.glb"), bytes("b.glb"));
+    }
 }
 
 #[test]

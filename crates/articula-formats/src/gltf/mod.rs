@@ -92,6 +92,7 @@ pub use clustered::{MeshParts, PartLevels};
 pub use compressed::{
     ArrayPrecision, Compression, KeySteps, WeightPrecision, compressed_clip_bytes, rounded_clip,
 };
+pub use compression::has_compressed_views;
 pub use document::Document;
 pub use exchange::{MeshGeometry, placeholder};
 pub use face::{StoredFace, StoredPoint};

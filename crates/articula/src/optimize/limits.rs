@@ -1,5 +1,6 @@
 //! Limits of a written file, and those that platforms have published.
 
+use super::OptimizeReport;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +35,13 @@ impl OptimizeLimits {
     /// Whether there is none.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// Whether the source of a report is within them.
+    pub fn allow_source(&self, report: &OptimizeReport) -> bool {
+        let is_within = |found: usize, max: Option<usize>| max.is_none_or(|max| found <= max);
+        is_within(report.bytes_in, self.max_bytes)
+            && is_within(report.triangles_in, self.max_triangles)
     }
 
     /// The narrower of two limits each.

@@ -6,6 +6,7 @@
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `textures`, `picture_file`: pictures in fewer bytes that look the same
 //! - `report`: what was saved, and the errors
+//! - `kept`: the source itself, where nothing worth an error was saved
 //! - `fit`, `limits`: the least error at which a file is within limits
 //!
 //! Source: ours; `docs/methods/optimize.md`.
@@ -13,6 +14,7 @@
 mod clip;
 mod constraints;
 mod fit;
+mod kept;
 mod limits;
 mod optimized_clip;
 mod picture_file;
@@ -142,7 +144,7 @@ const MEASURED: f32 = 0.985;
 /// All else of a glTF document is kept: names, extras, VRM and other extensions, hierarchy, materials,
 /// skins. Pictures get the fewest bytes with which they look the same. Prepared data and motion tables, which belong to the arrays as they were, are left
 /// out. A document with an extension that may refer to arrays, and is not known, keeps all its arrays.
-/// A file that was compressed before can become larger, as [`OptimizeReport::bytes_out`] tells.
+/// A file that was compressed before can become larger: [`Optimized::or_source`] takes the source then.
 ///
 /// # Errors
 /// [`Error::Argument`] if the bound is not positive; [`Error::Unsupported`] if it is finer than 24-bit

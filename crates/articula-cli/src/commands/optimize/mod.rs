@@ -296,14 +296,11 @@ impl OptimizeArgs {
             [input] if is_whole(&opened, input) => Some(input),
             _ => None,
         };
-        let is_larger = made.report.bytes_out >= made.report.bytes_in;
-        let kept = alone.filter(|_| is_larger && joints.is_none() && fit.is_none());
-        let is_kept = kept.is_some();
-        let bytes = match kept {
-            Some(input) => files::read(input, Limits::default().bytes)?,
-            None => made.glb,
-        };
-        console.files.write(&file.out, &bytes)?;
+        let may_be_kept = joints.is_none() && limits.allow_source(&made.report);
+        if let Some(input) = alone.filter(|_| may_be_kept) {
+            made = made.or_source(&files::read(input, Limits::default().bytes)?);
+        }
+        console.files.write(&file.out, &made.glb)?;
         let inputs: Vec<String> = file
             .inputs
             .iter()
@@ -312,7 +309,6 @@ impl OptimizeArgs {
         Ok(OptimizedFile {
             input: inputs.join(", "),
             out: files::shown(&file.out),
-            is_kept,
             joints,
             fit,
             platform: self.platform()?,
