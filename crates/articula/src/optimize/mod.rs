@@ -5,6 +5,7 @@
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `textures`, `picture_file`: pictures in fewer bytes that look the same
+//! - `surface_use`: how large pictures are on screen
 //! - `report`: what was saved, and the errors
 //! - `kept`: the source itself, where nothing worth an error was saved
 //! - `fit`, `limits`: the least error at which a file is within limits
@@ -21,6 +22,7 @@ mod picture_file;
 mod report;
 mod simplification;
 mod source;
+mod surface_use;
 mod textures;
 mod worn;
 
@@ -337,15 +339,7 @@ fn within(
 fn bound_metres(source: &Source, error: ErrorBound) -> Result<f32> {
     let metres = match error {
         ErrorBound::Metres(metres) => metres,
-        ErrorBound::Pixels { px, height_px } => {
-            let mut posed = source.posed()?;
-            let heights = posed.at(None, 0.0).iter().map(|p| p.y);
-            let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), y| {
-                (low.min(y), high.max(y))
-            });
-            let height = if high > low { high - low } else { 1.0 };
-            px * height / height_px
-        }
+        ErrorBound::Pixels { px, height_px } => px * source.height_metres()? / height_px,
     };
     if metres.is_finite() && metres > 0.0 {
         return Ok(metres);

@@ -75,6 +75,10 @@ pub(crate) struct OptimizeArgs {
     /// Greatest number of triangles
     #[arg(long, value_name = "N", conflicts_with = "no_simplify")]
     max_triangles: Option<usize>,
+    /// Longest side of any texture in pixels: larger ones are made smaller, and a file with one that cannot
+    /// be is refused
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_textures_px: Option<u32>,
     /// Published limits of a platform: vrchat-quest, vrchat-quest-good, vrchat-quest-excellent, cluster,
     /// mona, roblox, second-life
     #[arg(long, value_name = "NAME", conflicts_with = "no_simplify")]
@@ -212,7 +216,7 @@ impl OptimizeArgs {
             region_weights: self.region_weight.clone(),
             keep_attributes: self.keep_attributes,
             skin: skin.map(Arc::new),
-            textures: self.textures.options(),
+            textures: self.textures.options(self.height_px),
             seed: self.seed,
         })
     }
@@ -227,6 +231,7 @@ impl OptimizeArgs {
         let own = OptimizeLimits {
             max_bytes: self.max_bytes,
             max_triangles: self.max_triangles,
+            max_textures_px: self.max_textures_px.map(|px| px as usize),
             max_joints: None,
         };
         let platform = self.platform()?;

@@ -108,6 +108,11 @@ impl OptimizedFile {
                 self.report.triangles_out,
                 "triangles",
             ),
+            (
+                fit.limits.max_textures_px,
+                self.longest_px(),
+                "pixels of a texture",
+            ),
         ];
         for (max, found, what) in limits {
             if let Some(max) = max {
@@ -124,6 +129,13 @@ impl OptimizedFile {
                 fit.bound_mm, fit.asked_mm
             ),
         }
+    }
+
+    /// The longest side of all textures in pixels.
+    fn longest_px(&self) -> usize {
+        let sizes = self.report.textures.iter().filter_map(|t| t.size_out);
+        let longest = sizes.flatten().max();
+        longest.unwrap_or(0) as usize
     }
 
     /// The bytes before and after.
