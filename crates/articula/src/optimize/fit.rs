@@ -36,7 +36,7 @@ pub struct Fit {
 ///
 /// # Errors
 /// [`Error::Unsupported`] that names the limit, and what is reached at a tenth of the height of the figure,
-/// if the file fits at no error up to that, or has too many joints; otherwise as
+/// if the file fits at no error up to that, or its joints cannot be as few; otherwise as
 /// [`optimize`](super::optimize).
 pub fn optimize_to_fit(
     opened: &CharacterFile,
@@ -55,6 +55,7 @@ fn fitted(
 ) -> Result<(Optimized, Fit)> {
     let options = &with_small_pictures(options, limits);
     let prepared = Prepared::of(opened, options, work)?;
+    let prepared = prepared.with_fewer_joints(limits.max_joints, options, work)?;
     pictures_fit(&prepared.textures, limits)?;
     let asked = prepared.bound_metres(options.error)?;
     let share = ErrorBound::Pixels {
@@ -62,12 +63,6 @@ fn fitted(
         height_px: 1.0 / MOST_SHARE,
     };
     let most = prepared.bound_metres(share)?.max(asked);
-    let joints = prepared.skin_joints();
-    if let Some(max) = limits.max_joints.filter(|max| joints > *max) {
-        let what =
-            format!("joints: the skins have {joints}, allowed are {max}; joints are not removed");
-        return Err(Error::unsuited(what));
-    }
     let triangles = |bound: f32| -> Result<usize> {
         let simple = Simplification::of(&prepared, (bound, SURFACE_SHARES[0]), options, work)?;
         let simple = simple.map(|simple| simple.source.triangles());

@@ -13,7 +13,8 @@ pub struct OptimizeLimits {
     pub max_triangles: Option<usize>,
     /// Longest side in pixels of any picture that a material uses; larger ones are made smaller.
     pub max_textures_px: Option<usize>,
-    /// Greatest number of joints of all skins. A file with more is refused: joints are not removed.
+    /// Greatest number of joints of all skins. Of a file with more, those that are missed least are merged
+    /// into joints above them.
     pub max_joints: Option<usize>,
 }
 
@@ -43,6 +44,7 @@ impl OptimizeLimits {
     pub fn allow_source(&self, report: &OptimizeReport) -> bool {
         let is_within = |found: usize, max: Option<usize>| max.is_none_or(|max| found <= max);
         is_within(report.bytes_in, self.max_bytes)
+            && report.merged_joints.is_none()
             && is_within(report.triangles_in, self.max_triangles)
             && too_large(&report.textures, self.max_textures_px, |t| t.size_in).is_none()
     }

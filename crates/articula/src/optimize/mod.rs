@@ -8,6 +8,7 @@
 //! - `surface_use`: how large pictures are on screen
 //! - `report`: what was saved, and the errors
 //! - `kept`: the source itself, where nothing worth an error was saved
+//! - `merged_joints`: fewer joints in skins
 //! - `fit`, `limits`: the least error at which a file is within limits
 //!
 //! Source: ours; `docs/methods/optimize.md`.
@@ -17,6 +18,7 @@ mod constraints;
 mod fit;
 mod kept;
 mod limits;
+mod merged_joints;
 mod optimized_clip;
 mod picture_file;
 mod report;
@@ -29,6 +31,7 @@ mod worn;
 pub use articula_formats::gltf::{BytesByKind, Compression};
 pub use fit::{Fit, optimize_to_fit};
 pub use limits::{OptimizeLimits, PlatformLimits};
+pub use merged_joints::MergedJoints;
 pub use report::{ClipOptimized, OptimizeReport};
 pub use textures::{TextureContents, TextureFormat, TextureOptimized, TextureOptions};
 pub use worn::MeasuredOn;
@@ -40,6 +43,7 @@ use articula_build::greatest_vertex_error;
 use articula_core::Articulation;
 use articula_core::source::Character;
 use clip::Subject;
+use merged_joints::merged_joints;
 use optimized_clip::OptimizedClip;
 use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
 use source::{MeshPrecision, Source};
@@ -178,6 +182,7 @@ struct Prepared {
     bytes_in: usize,
     articulation: Articulation,
     textures: Vec<TextureOptimized>,
+    merged_joints: Option<MergedJoints>,
 }
 
 impl Prepared {
@@ -190,7 +195,22 @@ impl Prepared {
             before,
             bytes_in: opened.bytes(),
             articulation: opened.articulation(),
+            merged_joints: None,
         })
+    }
+
+    /// The same with at most a number of joints in its skins, if it has more.
+    fn with_fewer_joints(
+        mut self,
+        max: Option<usize>,
+        options: &OptimizeOptions,
+        work: &Executor<'_>,
+    ) -> Result<Self> {
+        if let Some(max) = max.filter(|max| self.skin_joints() > *max) {
+            let (source, found) = merged_joints(&self.source, max, options, work)?;
+            (self.source, self.merged_joints) = (source, Some(found));
+        }
+        Ok(self)
     }
 
     /// The file within a bound in metres, with fewer triangles if that makes it smaller or it has too many;
@@ -238,6 +258,7 @@ impl Prepared {
             made.report.before = self.before;
             made.report.textures.clone_from(&self.textures);
             made.report.triangles_in = source.triangles();
+            made.report.merged_joints.clone_from(&self.merged_joints);
             made
         }))
     }

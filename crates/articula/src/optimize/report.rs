@@ -1,10 +1,10 @@
 //! What was saved, and the errors.
 
-use super::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
 use super::textures::TextureOptimized;
 use super::worn::MeasuredOn;
+use super::{Errors, MergedJoints};
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;
 use serde::Serialize;
@@ -51,6 +51,9 @@ pub struct OptimizeReport {
     /// Greatest distance between the surfaces of source and file where triangles were removed, in
     /// millimetres, in poses of clips and morph targets; 0 if all triangles are left.
     pub surface_error_mm: f32,
+    /// The joints that were merged to be within a limit. Their error comes on top of the others, which are
+    /// measured against the source with fewer joints.
+    pub merged_joints: Option<MergedJoints>,
     /// Number of triangles of the source.
     pub triangles_in: usize,
     /// Number of triangles of the written file.
@@ -86,6 +89,7 @@ impl OptimizeReport {
             error_mm: 1e3 * errors.greatest(),
             vertex_error_mm: 1e3 * errors.greatest(),
             surface_error_mm: 0.0,
+            merged_joints: None,
             triangles_in: source.triangles(),
             triangles_out: source.triangles(),
             rest_error_mm: 1e3 * errors.rest,

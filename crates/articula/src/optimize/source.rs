@@ -178,6 +178,11 @@ impl Source {
         if document.is_compressible() {
             document.optimise_vertex_order(TEXCOORD_STEP)?;
         }
+        Self::as_stored(document)
+    }
+
+    /// The character of a document whose vertices and triangles stay in their order.
+    pub(super) fn as_stored(document: Document) -> Result<Self> {
         let read = gltf::read_document(document, &Limits::default())?;
         let (character, file) = GltfSource::split(read.value);
         Ok(Self {

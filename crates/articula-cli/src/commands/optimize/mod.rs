@@ -75,6 +75,10 @@ pub(crate) struct OptimizeArgs {
     /// Greatest number of triangles
     #[arg(long, value_name = "N", conflicts_with = "no_simplify")]
     max_triangles: Option<usize>,
+    /// Greatest number of joints of all skins: those that are missed least are merged into the joints above
+    /// them, at an error that is told beside the others
+    #[arg(long, value_name = "N")]
+    max_joints: Option<usize>,
     /// Longest side of any texture in pixels: larger ones are made smaller, and a file with one that cannot
     /// be is refused
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -232,7 +236,7 @@ impl OptimizeArgs {
             max_bytes: self.max_bytes,
             max_triangles: self.max_triangles,
             max_textures_px: self.max_textures_px.map(|px| px as usize),
-            max_joints: None,
+            max_joints: self.max_joints,
         };
         let platform = self.platform()?;
         Ok(platform.map_or(own, |platform| own.and(platform.limits)))
