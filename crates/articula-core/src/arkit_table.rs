@@ -81,7 +81,7 @@ const fn shape(name: &'static str, faps: &'static [(u8, i32)]) -> BlendShape {
 
 /// Pairs of shapes that undo each other, at least in part, by their names in ARKit. A face does not show
 /// both at once. `mouthClose` is not the opposite of `jawOpen`: it closes the lips over an open jaw.
-pub static OPPOSITES: [[&str; 2]; 30] = [
+pub static OPPOSITES: [[&str; 2]; 22] = [
     ["eyeBlinkLeft", "eyeWideLeft"],
     ["eyeBlinkRight", "eyeWideRight"],
     ["eyeLookInLeft", "eyeLookOutLeft"],
@@ -104,14 +104,6 @@ pub static OPPOSITES: [[&str; 2]; 30] = [
     ["mouthShrugUpper", "mouthRollUpper"],
     ["mouthLowerDownLeft", "mouthClose"],
     ["mouthLowerDownRight", "mouthClose"],
-    ["mouthLowerDownLeft", "mouthShrugLower"],
-    ["mouthLowerDownRight", "mouthShrugLower"],
-    ["mouthLowerDownLeft", "mouthPressLeft"],
-    ["mouthLowerDownRight", "mouthPressRight"],
-    ["mouthUpperUpLeft", "mouthPressLeft"],
-    ["mouthUpperUpRight", "mouthPressRight"],
-    ["mouthUpperUpLeft", "mouthRollUpper"],
-    ["mouthUpperUpRight", "mouthRollUpper"],
 ];
 
 /// Returns whether two shapes, by their indices, undo each other ([`OPPOSITES`]).

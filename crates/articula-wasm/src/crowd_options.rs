@@ -54,7 +54,11 @@ pub(crate) fn crowd_options(json: Option<&str>, figure: &Figure) -> Result<Crowd
     Ok(CrowdOptions {
         clips: options.clips,
         events: options.events.named(),
-        mesh_levels: if has_levels { options.mesh_levels } else { Some(1) },
+        mesh_levels: if has_levels {
+            options.mesh_levels
+        } else {
+            Some(1)
+        },
         pose_cache: options.pose_cache.unwrap_or(usual.pose_cache),
         root_motion: match options.root_motion {
             Some(word) => root_motion(&word)?,

@@ -72,6 +72,26 @@ fn a_simplified_file_is_judged_by_others_and_joints_can_be_held() {
 }
 
 #[test]
+fn a_file_with_fewer_joints_is_valid_and_tells_their_error() {
+    let folder = folder("fewer-joints");
+    let source = short().to_string_lossy().into_owned();
+    let few = ["optimize", &source, "few.glb", "--max-joints", "24"];
+    let report = json(&folder, &few);
+    let merged = &report["merged_joints"];
+    assert_eq!(merged["joints_out"], 24, "{report}");
+    let names = merged["merged"].as_array().unwrap().len() as u64;
+    assert_eq!(merged["joints_in"].as_u64(), Some(24 + names));
+    assert!(merged["error_mm"].as_f64() > Some(0.0));
+    assert_eq!(report["fit"]["limits"]["max_joints"], 24);
+    if !judges_are_here() {
+        return;
+    }
+    let file = folder.join("few.glb").to_string_lossy().into_owned();
+    let (verdict, good) = ask("validate.mjs", &[file]);
+    assert!(good, "{verdict}");
+}
+
+#[test]
 fn several_files_go_into_a_folder_and_what_cannot_shrink_is_kept() {
     let folder = folder("optimized-many");
     let source = short().to_string_lossy().into_owned();
@@ -89,6 +109,14 @@ fn several_files_go_into_a_folder_and_what_cannot_shrink_is_kept() {
     let bytes = |name: &str| std::fs::read(folder.join(Path::new(name))).unwrap();
     assert_eq!(bytes("b.glb"), bytes("out/b.glb"));
     assert!(bytes("out/a.glb").len() < bytes("a.glb").len());
+    assert_eq!(files[1]["bytes_out"], files[1]["bytes_in"]);
+    assert_eq!(files[1]["error_mm"], 0.0);
+    for limits in [&[][..], &["--max-triangles", "100000"]] {
+        let again = ["optimize", "b.glb", "c.glb", "--error", "5mm", "--force"];
+        let again = json(&folder, &[&again[..], limits].concat());
+        assert_eq!(again["kept_as_it_is"], true, "{again}");
+        assert_eq!(bytes("c.glb"), bytes("b.glb"));
+    }
 }
 
 #[test]

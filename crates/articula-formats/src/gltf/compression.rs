@@ -6,6 +6,7 @@
 
 use super::accessor::bytes_of;
 use super::append::{entries_mut, index, object, push, set};
+use super::container;
 use super::document::Document;
 use super::place::Place;
 use super::reader::Notes;
@@ -17,6 +18,22 @@ use std::collections::BTreeSet;
 
 /// The two names of the extension.
 pub(super) const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
+
+/// Whether a file has views that are compressed by meshopt. What is not a glTF file has none.
+#[must_use]
+pub fn has_compressed_views(file: &[u8]) -> bool {
+    let opened = container::open(file, &Limits::default(), &mut Notes::default());
+    opened.is_ok_and(|(json, _)| {
+        let views = json.get("bufferViews").and_then(Value::as_array);
+        let is_compressed = |view: &Value| {
+            let extensions = view.get("extensions");
+            NAMES
+                .iter()
+                .any(|name| extensions.is_some_and(|e| e.get(name).is_some()))
+        };
+        views.into_iter().flatten().any(is_compressed)
+    })
+}
 
 /// A view that was compressed.
 struct Decoded {

@@ -102,30 +102,7 @@ impl Document {
         let Some(parent) = parents.get(joint.node).copied().flatten() else {
             return Err(WriteError::mismatch(at(), "the node has no parent"));
         };
-        let skins = self.skins_with(&[joint.node])?;
-        let slots: BTreeMap<usize, Slots> = skins
-            .iter()
-            .filter_map(|skin| {
-                let slot = |node: usize| skin.joints.iter().position(|j| *j == node);
-                let (own, other) = (slot(joint.node)?, slot(joint.into)?);
-                Some((skin.index, Slots { own, other }))
-            })
-            .collect();
-        let stale = self.renumber_skinned(&slots)?;
-        self.drop_unnamed(stale);
-        for mut skin in skins {
-            let Some(own) = skin.joints.iter().position(|j| *j == joint.node) else {
-                continue;
-            };
-            if slots.contains_key(&skin.index) {
-                skin.joints.remove(own);
-                skin.inverse_bind.remove(own);
-            } else {
-                skin.joints[own] = joint.into;
-                skin.inverse_bind[own] = joint.rest.to_affine() * skin.inverse_bind[own];
-            }
-            self.store_skin(&skin);
-        }
+        self.give_skin(joint.node, joint.into, joint.rest.to_affine())?;
         for skin in entries_mut(&mut self.json, "skins") {
             if index(skin, "skeleton") == Some(joint.node) {
                 set(skin, "skeleton", parent);
@@ -139,6 +116,46 @@ impl Document {
             children.insert(0, joint.node);
         }
         self.replace_child(parent, joint.node, &children);
+        Ok(())
+    }
+
+    /// Gives the skin of a joint to another one; the joint stays a node. Skins that list both lose it, and
+    /// its weights are added to those of the other; in skins that list it alone the other takes its place.
+    /// `rest` is the transform of the joint relative to the other at rest.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if a skin cannot be read, or a mesh is used by two skins of which the joint
+    /// is in different places; the document is then unchanged.
+    pub fn give_skin(
+        &mut self,
+        node: usize,
+        into: usize,
+        rest: Affine3A,
+    ) -> Result<(), WriteError> {
+        let skins = self.skins_with(&[node])?;
+        let slots: BTreeMap<usize, Slots> = skins
+            .iter()
+            .filter_map(|skin| {
+                let slot = |node: usize| skin.joints.iter().position(|j| *j == node);
+                let (own, other) = (slot(node)?, slot(into)?);
+                Some((skin.index, Slots { own, other }))
+            })
+            .collect();
+        let stale = self.renumber_skinned(&slots)?;
+        self.drop_unnamed(stale);
+        for mut skin in skins {
+            let Some(own) = skin.joints.iter().position(|j| *j == node) else {
+                continue;
+            };
+            if slots.contains_key(&skin.index) {
+                skin.joints.remove(own);
+                skin.inverse_bind.remove(own);
+            } else {
+                skin.joints[own] = into;
+                skin.inverse_bind[own] = rest * skin.inverse_bind[own];
+            }
+            self.store_skin(&skin);
+        }
         Ok(())
     }
 

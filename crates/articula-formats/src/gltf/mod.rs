@@ -23,6 +23,7 @@
 //! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
 //! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
+//! - `picture_materials`: the materials that show each picture
 //! - `morph_targets`, `kept_morphs`: morph targets that are added and left out
 //! - `unused_attributes`: what no material uses
 //! - `vertex_order`: triangles and vertices in an order that caches like
@@ -66,6 +67,7 @@ mod node;
 mod node_meshes;
 mod open;
 mod origin;
+mod picture_materials;
 mod place;
 mod plain_textures;
 mod pointer;
@@ -92,6 +94,7 @@ pub use clustered::{MeshParts, PartLevels};
 pub use compressed::{
     ArrayPrecision, Compression, KeySteps, WeightPrecision, compressed_clip_bytes, rounded_clip,
 };
+pub use compression::has_compressed_views;
 pub use document::Document;
 pub use exchange::{MeshGeometry, placeholder};
 pub use face::{StoredFace, StoredPoint};

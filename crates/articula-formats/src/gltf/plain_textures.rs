@@ -44,7 +44,7 @@ pub struct PictureUse {
 }
 
 /// Set and transform of a reference to a texture.
-fn coordinates(info: &Value) -> (u64, Value) {
+pub(super) fn coordinates(info: &Value) -> (u64, Value) {
     let mut transform = info
         .get("extensions")
         .and_then(|e| e.get(TRANSFORM))
@@ -57,7 +57,7 @@ fn coordinates(info: &Value) -> (u64, Value) {
 }
 
 /// Whether a value is a reference to a texture.
-fn is_reference(key: &str, value: &Value) -> bool {
+pub(super) fn is_reference(key: &str, value: &Value) -> bool {
     key.ends_with("Texture") && index(value, "index").is_some()
 }
 

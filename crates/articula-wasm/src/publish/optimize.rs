@@ -77,7 +77,7 @@ impl Publisher {
     /// Writes a character in fewer bytes, at an error in motion that is measured on what is written. `options` is
     /// JSON: `{errorPx?: number, errorMm?: number, compress?: string, keepKeys?: boolean,
     /// keepTriangles?: boolean, keepTextures?: boolean, keepAttributes?: boolean}`: pixels of a picture of 720 lines that the figure at rest fills (1 if left out) or millimetres; "ext", "khr" or
-    /// "none". A file that cannot be made smaller comes back as it is. The report is that of `articula optimize --json`.
+    /// "none". A GLB that cannot be made smaller comes back as it is. The report is that of `articula optimize --json`.
     pub fn optimize(
         bytes: &[u8],
         name: &str,
@@ -85,14 +85,10 @@ impl Publisher {
         progress: Option<ProgressCallback>,
     ) -> Result<MeasuredFile, JsValue> {
         let options = read::<Optimize>(options.as_deref())?.options()?;
-        let mut made = run(progress, name, |work| {
+        let made = run(progress, name, |work| {
             optimize(&open_alone(bytes, name)?, &options, work)
         })?;
-        if made.glb.len() >= bytes.len() {
-            // Nothing could be saved.
-            made.glb = bytes.to_vec();
-            (made.report.bytes_out, made.report.after) = (bytes.len(), made.report.before);
-        }
+        let made = made.or_source(bytes);
         Ok(MeasuredFile::new(made.glb, &made.report, name)?)
     }
 }

@@ -1,7 +1,11 @@
 //! The least error at which a file fits into limits.
 
+use super::limits::too_large;
 use super::simplification::{SURFACE_SHARES, Simplification};
-use super::{ErrorBound, OptimizeLimits, OptimizeOptions, Optimized, Prepared};
+use super::{
+    ErrorBound, OptimizeLimits, OptimizeOptions, Optimized, Prepared, TextureOptimized,
+    TextureOptions,
+};
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use crate::work::Executor;
@@ -32,7 +36,7 @@ pub struct Fit {
 ///
 /// # Errors
 /// [`Error::Unsupported`] that names the limit, and what is reached at a tenth of the height of the figure,
-/// if the file fits at no error up to that, or has too many joints; otherwise as
+/// if the file fits at no error up to that, or its joints cannot be as few; otherwise as
 /// [`optimize`](super::optimize).
 pub fn optimize_to_fit(
     opened: &CharacterFile,
@@ -49,19 +53,16 @@ fn fitted(
     limits: &OptimizeLimits,
     work: &Executor<'_>,
 ) -> Result<(Optimized, Fit)> {
+    let options = &with_small_pictures(options, limits);
     let prepared = Prepared::of(opened, options, work)?;
+    let prepared = prepared.with_fewer_joints(limits.max_joints, options, work)?;
+    pictures_fit(&prepared.textures, limits)?;
     let asked = prepared.bound_metres(options.error)?;
     let share = ErrorBound::Pixels {
         px: 1.0,
         height_px: 1.0 / MOST_SHARE,
     };
     let most = prepared.bound_metres(share)?.max(asked);
-    let joints = prepared.skin_joints();
-    if let Some(max) = limits.max_joints.filter(|max| joints > *max) {
-        let what =
-            format!("joints: the skins have {joints}, allowed are {max}; joints are not removed");
-        return Err(Error::unsuited(what));
-    }
     let triangles = |bound: f32| -> Result<usize> {
         let simple = Simplification::of(&prepared, (bound, SURFACE_SHARES[0]), options, work)?;
         let simple = simple.map(|simple| simple.source.triangles());
@@ -110,6 +111,40 @@ fn fitted(
         too_large_at_mm: search.too_large.map(|metres| 1e3 * metres),
     };
     Ok((made, fit))
+}
+
+/// The options with the greatest size of pictures that is allowed.
+fn with_small_pictures(options: &OptimizeOptions, limits: &OptimizeLimits) -> OptimizeOptions {
+    let max = limits.max_textures_px;
+    let max = max.map(|max| u32::try_from(max).unwrap_or(u32::MAX));
+    let own = options.textures.longest_px;
+    OptimizeOptions {
+        textures: TextureOptions {
+            longest_px: own.into_iter().chain(max).min(),
+            ..options.textures.clone()
+        },
+        ..options.clone()
+    }
+}
+
+/// # Errors
+/// [`Error::Unsupported`] that names the first picture that could not be made small enough.
+fn pictures_fit(textures: &[TextureOptimized], limits: &OptimizeLimits) -> Result<()> {
+    let (Some(texture), Some(max)) = (
+        too_large(textures, limits.max_textures_px, |t| t.size_out),
+        limits.max_textures_px,
+    ) else {
+        return Ok(());
+    };
+    let found = match texture.size_out {
+        Some([width, height]) => format!("stays {width} x {height} px"),
+        None => format!("is {}, whose size is not known", texture.type_in),
+    };
+    let what = format!(
+        "textures: images[{}] {found}; {max} px are allowed: make it smaller beforehand, or store it as PNG, JPEG or WebP",
+        texture.picture
+    );
+    Err(Error::unsuited(what))
 }
 
 fn told(what: &str, max: usize, found: usize, most: f32) -> Error {

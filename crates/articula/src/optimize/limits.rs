@@ -1,5 +1,6 @@
 //! Limits of a written file, and those that platforms have published.
 
+use super::{OptimizeReport, TextureContents, TextureOptimized};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,10 @@ pub struct OptimizeLimits {
     pub max_bytes: Option<usize>,
     /// Greatest number of triangles of all meshes that are shown.
     pub max_triangles: Option<usize>,
-    /// Greatest number of joints of all skins. A file with more is refused: joints are not removed.
+    /// Longest side in pixels of any picture that a material uses; larger ones are made smaller.
+    pub max_textures_px: Option<usize>,
+    /// Greatest number of joints of all skins. Of a file with more, those that are missed least are merged
+    /// into joints above them.
     pub max_joints: Option<usize>,
 }
 
@@ -36,6 +40,15 @@ impl OptimizeLimits {
         *self == Self::default()
     }
 
+    /// Whether the source of a report is within them.
+    pub fn allow_source(&self, report: &OptimizeReport) -> bool {
+        let is_within = |found: usize, max: Option<usize>| max.is_none_or(|max| found <= max);
+        is_within(report.bytes_in, self.max_bytes)
+            && report.merged_joints.is_none()
+            && is_within(report.triangles_in, self.max_triangles)
+            && too_large(&report.textures, self.max_textures_px, |t| t.size_in).is_none()
+    }
+
     /// The narrower of two limits each.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
@@ -43,9 +56,24 @@ impl OptimizeLimits {
         Self {
             max_bytes: least(self.max_bytes, other.max_bytes),
             max_triangles: least(self.max_triangles, other.max_triangles),
+            max_textures_px: least(self.max_textures_px, other.max_textures_px),
             max_joints: least(self.max_joints, other.max_joints),
         }
     }
+}
+
+/// The first texture with a side above a limit, or of a size that is not known.
+pub(super) fn too_large(
+    textures: &[TextureOptimized],
+    max_px: Option<usize>,
+    size: impl Fn(&TextureOptimized) -> Option<[u32; 2]>,
+) -> Option<&TextureOptimized> {
+    let max_px = max_px?;
+    let is_large = |sides: [u32; 2]| sides.iter().any(|px| *px as usize > max_px);
+    let mut used = textures
+        .iter()
+        .filter(|texture| texture.holds != TextureContents::Unknown);
+    used.find(|texture| size(texture).is_none_or(is_large))
 }
 
 impl PlatformLimits {
@@ -106,16 +134,19 @@ mod tests {
         let wide = OptimizeLimits {
             max_bytes: Some(9),
             max_triangles: Some(3),
+            max_textures_px: Some(512),
             max_joints: None,
         };
         let narrow = OptimizeLimits {
             max_bytes: Some(4),
             max_triangles: None,
+            max_textures_px: Some(1024),
             max_joints: Some(1),
         };
         let both = OptimizeLimits {
             max_bytes: Some(4),
             max_triangles: Some(3),
+            max_textures_px: Some(512),
             max_joints: Some(1),
         };
         assert_eq!(wide.and(narrow), both);

@@ -5,7 +5,10 @@
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `textures`, `picture_file`: pictures in fewer bytes that look the same
+//! - `surface_use`: how large pictures are on screen
 //! - `report`: what was saved, and the errors
+//! - `kept`: the source itself, where nothing worth an error was saved
+//! - `merged_joints`: fewer joints in skins
 //! - `fit`, `limits`: the least error at which a file is within limits
 //!
 //! Source: ours; `docs/methods/optimize.md`.
@@ -13,18 +16,22 @@
 mod clip;
 mod constraints;
 mod fit;
+mod kept;
 mod limits;
+mod merged_joints;
 mod optimized_clip;
 mod picture_file;
 mod report;
 mod simplification;
 mod source;
+mod surface_use;
 mod textures;
 mod worn;
 
 pub use articula_formats::gltf::{BytesByKind, Compression};
 pub use fit::{Fit, optimize_to_fit};
 pub use limits::{OptimizeLimits, PlatformLimits};
+pub use merged_joints::MergedJoints;
 pub use report::{ClipOptimized, OptimizeReport};
 pub use textures::{TextureContents, TextureFormat, TextureOptimized, TextureOptions};
 pub use worn::MeasuredOn;
@@ -36,6 +43,7 @@ use articula_build::greatest_vertex_error;
 use articula_core::Articulation;
 use articula_core::source::Character;
 use clip::Subject;
+use merged_joints::merged_joints;
 use optimized_clip::OptimizedClip;
 use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
 use source::{MeshPrecision, Source};
@@ -142,7 +150,7 @@ const MEASURED: f32 = 0.985;
 /// All else of a glTF document is kept: names, extras, VRM and other extensions, hierarchy, materials,
 /// skins. Pictures get the fewest bytes with which they look the same. Prepared data and motion tables, which belong to the arrays as they were, are left
 /// out. A document with an extension that may refer to arrays, and is not known, keeps all its arrays.
-/// A file that was compressed before can become larger, as [`OptimizeReport::bytes_out`] tells.
+/// A file that was compressed before can become larger: [`Optimized::or_source`] takes the source then.
 ///
 /// # Errors
 /// [`Error::Argument`] if the bound is not positive; [`Error::Unsupported`] if it is finer than 24-bit
@@ -174,6 +182,7 @@ struct Prepared {
     bytes_in: usize,
     articulation: Articulation,
     textures: Vec<TextureOptimized>,
+    merged_joints: Option<MergedJoints>,
 }
 
 impl Prepared {
@@ -186,7 +195,22 @@ impl Prepared {
             before,
             bytes_in: opened.bytes(),
             articulation: opened.articulation(),
+            merged_joints: None,
         })
+    }
+
+    /// The same with at most a number of joints in its skins, if it has more.
+    fn with_fewer_joints(
+        mut self,
+        max: Option<usize>,
+        options: &OptimizeOptions,
+        work: &Executor<'_>,
+    ) -> Result<Self> {
+        if let Some(max) = max.filter(|max| self.skin_joints() > *max) {
+            let (source, found) = merged_joints(&self.source, max, options, work)?;
+            (self.source, self.merged_joints) = (source, Some(found));
+        }
+        Ok(self)
     }
 
     /// The file within a bound in metres, with fewer triangles if that makes it smaller or it has too many;
@@ -234,6 +258,7 @@ impl Prepared {
             made.report.before = self.before;
             made.report.textures.clone_from(&self.textures);
             made.report.triangles_in = source.triangles();
+            made.report.merged_joints.clone_from(&self.merged_joints);
             made
         }))
     }
@@ -335,15 +360,7 @@ fn within(
 fn bound_metres(source: &Source, error: ErrorBound) -> Result<f32> {
     let metres = match error {
         ErrorBound::Metres(metres) => metres,
-        ErrorBound::Pixels { px, height_px } => {
-            let mut posed = source.posed()?;
-            let heights = posed.at(None, 0.0).iter().map(|p| p.y);
-            let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), y| {
-                (low.min(y), high.max(y))
-            });
-            let height = if high > low { high - low } else { 1.0 };
-            px * height / height_px
-        }
+        ErrorBound::Pixels { px, height_px } => px * source.height_metres()? / height_px,
     };
     if metres.is_finite() && metres > 0.0 {
         return Ok(metres);

@@ -1,10 +1,10 @@
 //! What was saved, and the errors.
 
-use super::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
 use super::textures::TextureOptimized;
 use super::worn::MeasuredOn;
+use super::{Errors, MergedJoints};
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;
 use serde::Serialize;
@@ -33,6 +33,9 @@ pub struct OptimizeReport {
     pub bytes_in: usize,
     /// Bytes of the written file.
     pub bytes_out: usize,
+    /// Whether the file is the source itself, since nothing worth an error could be saved.
+    #[serde(rename = "kept_as_it_is")]
+    pub is_kept: bool,
     /// Bytes of the parts of the source, without compression.
     pub before: BytesByKind,
     /// Bytes of the parts of the written file.
@@ -48,6 +51,9 @@ pub struct OptimizeReport {
     /// Greatest distance between the surfaces of source and file where triangles were removed, in
     /// millimetres, in poses of clips and morph targets; 0 if all triangles are left.
     pub surface_error_mm: f32,
+    /// The joints that were merged to be within a limit. Their error comes on top of the others, which are
+    /// measured against the source with fewer joints.
+    pub merged_joints: Option<MergedJoints>,
     /// Number of triangles of the source.
     pub triangles_in: usize,
     /// Number of triangles of the written file.
@@ -75,6 +81,7 @@ impl OptimizeReport {
         Self {
             bytes_in: 0,
             bytes_out: glb.len(),
+            is_kept: false,
             before: BytesByKind::default(),
             after: BytesByKind::of_glb(glb),
             bound_mm: 0.0,
@@ -82,6 +89,7 @@ impl OptimizeReport {
             error_mm: 1e3 * errors.greatest(),
             vertex_error_mm: 1e3 * errors.greatest(),
             surface_error_mm: 0.0,
+            merged_joints: None,
             triangles_in: source.triangles(),
             triangles_out: source.triangles(),
             rest_error_mm: 1e3 * errors.rest,
@@ -104,5 +112,37 @@ impl OptimizeReport {
     pub(super) fn add_surface(&mut self, metres: f32) {
         self.surface_error_mm = 1e3 * metres;
         self.error_mm = self.vertex_error_mm.max(self.surface_error_mm);
+    }
+
+    /// The report of the source itself, which has no error.
+    pub(super) fn kept(self, source: &[u8]) -> Self {
+        let kept_clip = |clip: ClipOptimized| ClipOptimized {
+            channels_out: clip.channels_in,
+            keys_out: clip.keys_in,
+            error_mm: 0.0,
+            ..clip
+        };
+        let kept_texture = |texture: TextureOptimized| TextureOptimized {
+            bytes_out: texture.bytes_in,
+            type_out: texture.type_in.clone(),
+            size_out: texture.size_in,
+            delta_e: None,
+            levels: None,
+            ..texture
+        };
+        Self {
+            bytes_in: source.len(),
+            bytes_out: source.len(),
+            is_kept: true,
+            after: BytesByKind::of_glb(source),
+            error_mm: 0.0,
+            vertex_error_mm: 0.0,
+            surface_error_mm: 0.0,
+            triangles_out: self.triangles_in,
+            rest_error_mm: 0.0,
+            clips: self.clips.into_iter().map(kept_clip).collect(),
+            textures: self.textures.into_iter().map(kept_texture).collect(),
+            ..self
+        }
     }
 }

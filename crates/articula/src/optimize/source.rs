@@ -2,7 +2,8 @@
 
 use super::OptimizeOptions;
 use super::optimized_clip::OptimizedClip;
-use super::textures::{TextureOptimized, optimize_textures};
+use super::surface_use::SurfaceUse;
+use super::textures::{TextureOptimized, TextureRun, optimize_textures};
 use super::worn::{MeasuredOn, Worn};
 use crate::convert;
 use crate::error::{Error, Result};
@@ -177,6 +178,11 @@ impl Source {
         if document.is_compressible() {
             document.optimise_vertex_order(TEXCOORD_STEP)?;
         }
+        Self::as_stored(document)
+    }
+
+    /// The character of a document whose vertices and triangles stay in their order.
+    pub(super) fn as_stored(document: Document) -> Result<Self> {
         let read = gltf::read_document(document, &Limits::default())?;
         let (character, file) = GltfSource::split(read.value);
         Ok(Self {
@@ -203,9 +209,22 @@ impl Source {
             return Ok((self, Vec::new()));
         }
         let is_plain = options.compression == Compression::None;
-        let options = (&options.textures, is_plain);
+        let height_px = options.textures.screen_height_px;
+        let surfaces = match height_px {
+            Some(px) => {
+                let scale = px as f32 / self.height_metres()?;
+                let document = &self.file.document;
+                Some(SurfaceUse::of(&mut self.posed()?, document, scale))
+            }
+            None => None,
+        };
+        let made = TextureRun {
+            options: &options.textures,
+            is_plain,
+            surfaces: surfaces.as_ref(),
+        };
         let (document, images) = (&mut self.file.document, &self.character.images);
-        let textures = optimize_textures(document, images, options, work)?;
+        let textures = optimize_textures(document, images, &made, work)?;
         Ok((self, textures))
     }
 
@@ -252,6 +271,16 @@ impl Source {
 
     pub(super) fn posed(&self) -> Result<PosedVertices<'_>> {
         Ok(PosedVertices::new(self.body())?)
+    }
+
+    /// Height of the figure at rest in metres; 1 if it has none.
+    pub(super) fn height_metres(&self) -> Result<f32> {
+        let mut posed = self.posed()?;
+        let heights = posed.at(None, 0.0).iter().map(|p| p.y);
+        let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), y| {
+            (low.min(y), high.max(y))
+        });
+        Ok(if high > low { high - low } else { 1.0 })
     }
 
     /// The same with meshes as the file that is written will have them.

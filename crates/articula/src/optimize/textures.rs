@@ -3,6 +3,7 @@
 //! What looks the same: `articula_flat::color_difference`; `docs/methods/optimize.md`.
 
 use super::picture_file::{PictureFormat, encoded};
+use super::surface_use::SurfaceUse;
 use crate::error::Result;
 use crate::work::Executor;
 use articula_core::source::Image;
@@ -45,6 +46,10 @@ pub enum TextureFormat {
 pub struct TextureOptions {
     /// Longest side in pixels; larger pictures are made smaller, by the mean of areas. `None` keeps sizes.
     pub longest_px: Option<u32>,
+    /// Height of the figure on screen in pixels, as the largest that is shown: pictures are made smaller, to
+    /// a power of two, whose texels would then be smaller than its pixels on 99 % of the surface. `None`
+    /// keeps sizes.
+    pub screen_height_px: Option<u32>,
     /// The format.
     pub format: TextureFormat,
     /// Quality of lossy colours, 1 to 100, whatever they then look like. `None`: the least at which no
@@ -93,21 +98,30 @@ pub struct TextureOptimized {
     pub warning: Option<String>,
 }
 
+/// How the pictures of a document are made smaller.
+pub(super) struct TextureRun<'a> {
+    pub(super) options: &'a TextureOptions,
+    /// Whether arrays are not compressed.
+    pub(super) is_plain: bool,
+    /// The surfaces that show the pictures, where their sizes matter.
+    pub(super) surfaces: Option<&'a SurfaceUse>,
+}
+
 /// Replaces the pictures of a document that have been read from it.
 pub(super) fn optimize_textures(
     document: &mut Document,
     images: &[Image],
-    (options, is_plain): (&TextureOptions, bool),
+    run: &TextureRun<'_>,
     work: &Executor<'_>,
 ) -> Result<Vec<TextureOptimized>> {
     let is_vrm = |name: &str| name == "VRM" || name == "VRMC_vrm";
     let extensions = document.json.get("extensions").and_then(|e| e.as_object());
     let is_vrm = extensions.is_some_and(|all| all.keys().any(|name| is_vrm(name)));
-    let takes_webp = !is_plain && !is_vrm;
+    let takes_webp = !run.is_plain && !is_vrm;
     let uses = document.picture_uses();
     let pairs = images.iter().zip(&uses).enumerate().collect();
     let made = work.map("reducing textures", pairs, |(i, (image, uses))| {
-        Ok(Texture::new(i, image, *uses).optimized(options, takes_webp))
+        Ok(Texture::new(i, image, *uses).optimized(run, takes_webp))
     })?;
     let changed = made.iter().filter_map(|(texture, bytes)| {
         let bytes = bytes.as_deref()?;
@@ -163,10 +177,11 @@ impl<'a> Texture<'a> {
     /// The picture after, and its file if that is another.
     fn optimized(
         mut self,
-        options: &TextureOptions,
+        run: &TextureRun<'_>,
         takes_webp: bool,
     ) -> (TextureOptimized, Option<Vec<u8>>) {
-        let is_kept = options.format == TextureFormat::Keep && options.longest_px.is_none();
+        let keeps_sizes = run.options.longest_px.is_none() && run.surfaces.is_none();
+        let is_kept = run.options.format == TextureFormat::Keep && keeps_sizes;
         let own = PictureFormat::of(&self.image.bytes);
         let (Some(own), false) = (own, is_kept) else {
             return (self.found, None);
@@ -174,7 +189,7 @@ impl<'a> Texture<'a> {
         if self.found.holds == TextureContents::Unknown {
             return (self.found, None);
         }
-        match self.smallest(own, options, takes_webp) {
+        match self.smallest(own, run, takes_webp) {
             Ok(Some(coded)) => {
                 let TextureOptimized {
                     bytes_out,
@@ -204,14 +219,15 @@ impl<'a> Texture<'a> {
     fn smallest(
         &mut self,
         own: PictureFormat,
-        options: &TextureOptions,
+        run: &TextureRun<'_>,
         takes_webp: bool,
     ) -> Result<Option<Coded>, PictureError> {
+        let options = run.options;
         let original = Picture::decode(&self.image.bytes)?;
         let size = [original.width(), original.height()];
         self.found.size_in = Some(size);
         self.found.size_out = Some(size);
-        let resized = self.resized(&original, options)?;
+        let resized = self.resized(&original, run)?;
         let is_resized = resized.is_some();
         if !is_resized && (options.format == TextureFormat::Keep || self.is_deep()) {
             return Ok(None);
@@ -255,10 +271,14 @@ impl<'a> Texture<'a> {
     fn resized(
         &self,
         original: &Picture,
-        options: &TextureOptions,
+        run: &TextureRun<'_>,
     ) -> Result<Option<Picture>, PictureError> {
         let (width, height) = (original.width(), original.height());
-        let longest = options.longest_px.map_or(u32::MAX, |px| px.max(1));
+        let needed = run
+            .surfaces
+            .and_then(|surfaces| surfaces.longest_px(self.found.picture, [width, height]));
+        let longest = needed.into_iter().chain(run.options.longest_px).min();
+        let longest = longest.map_or(u32::MAX, |px| px.max(1));
         if width.max(height) <= longest {
             return Ok(None);
         }

@@ -1,9 +1,13 @@
 //! Textures of optimised files: smaller, the same to look at, with their alpha; broken ones as they were.
 
-use articula::core::source::Image;
+use articula::core::source::{Image, Primitive};
 use articula::flat::{Picture, color_difference};
+use articula::glam::{Vec2, Vec3};
 use articula::human::HumanOptions;
-use articula::optimize::{OptimizeOptions, Optimized, TextureFormat, TextureOptions, optimize};
+use articula::optimize::{
+    OptimizeLimits, OptimizeOptions, Optimized, TextureFormat, TextureOptions, optimize,
+    optimize_to_fit,
+};
 use articula::{CharacterFile, Executor, Format, OpenOptions, convert, open};
 
 /// A smooth picture of 64 x 48, as a PNG that stores each row as it is.
@@ -151,4 +155,81 @@ fn webp_is_named_by_its_extension_and_not_written_where_readers_lack_it() {
     let vrm = read(&document.write_glb().unwrap());
     let found: serde_json::Value = json(&made(&vrm, TextureOptions::default()));
     assert_eq!(found["images"][0]["mimeType"], "image/png");
+}
+
+/// A square of one metre that shows a whole picture and follows one joint.
+fn board(picture: &Picture) -> CharacterFile {
+    let mut character = human(&[picture.to_png().unwrap()]).into_character();
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(Vec2::from);
+    character.meshes.truncate(1);
+    character.meshes[0].primitives = vec![Primitive {
+        positions: corners.map(|c| c.extend(0.0)).to_vec(),
+        normals: vec![Vec3::Z; 4],
+        texcoords: corners.to_vec(),
+        influences: 1,
+        joints: vec![0; 4],
+        weights: vec![1.0; 4],
+        triangles: vec![[0, 1, 2], [2, 3, 0]],
+        material: Some(0),
+        ..Primitive::default()
+    }];
+    character.meshes[0].morph_names.clear();
+    character.meshes[0].morph_weights.clear();
+    character.expressions.clear();
+    let opened = CharacterFile::from_character("board", character);
+    read(&convert::write(&opened, Format::Glb).unwrap().bytes)
+}
+
+#[test]
+fn a_picture_has_as_many_texels_as_the_figure_shows_on_screen() {
+    // Noise, so that fewer texels need fewer bytes.
+    let noise = |i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8;
+    let pixel = |i: u32| [noise(i), noise(i ^ 0x5555), noise(3 * i + 1), 255];
+    let large = Picture::from_pixels(256, 192, (0..256 * 192).map(pixel).collect()).unwrap();
+    let source = board(&large);
+    // 192 rows of texels fill the height; 4 texels are beside 3 rows, and sides are powers of two.
+    let wanted = [(10, 16), (40, 64), (90, 128), (160, 256), (1000, 256)];
+    for (height_px, longest) in wanted {
+        let textures = TextureOptions {
+            screen_height_px: Some(height_px),
+            ..TextureOptions::default()
+        };
+        let made = made(&source, textures);
+        let shown = Picture::decode(&pictures(&made)[0].bytes).unwrap();
+        let size = [shown.width(), shown.height()];
+        assert_eq!(size, [longest, longest * 3 / 4], "{height_px}");
+        assert_eq!(made.report.textures[0].size_out, Some(size));
+    }
+}
+
+#[test]
+fn a_limit_of_pixels_is_kept_or_the_picture_is_named() {
+    let limits = OptimizeLimits {
+        max_textures_px: Some(32),
+        ..OptimizeLimits::default()
+    };
+    let fitted = |source: &CharacterFile| {
+        optimize_to_fit(
+            source,
+            &OptimizeOptions::default(),
+            &limits,
+            &Executor::default(),
+        )
+    };
+    let source = human(&[smooth(255).to_png().unwrap()]);
+    let (made, fit) = fitted(&source).unwrap();
+    assert_eq!(made.report.textures[0].size_out, Some([32, 24]));
+    assert_eq!(fit.too_large_at_mm, None);
+    assert!(!limits.allow_source(&made.report));
+    let wide = OptimizeLimits {
+        max_textures_px: Some(64),
+        ..limits
+    };
+    assert!(wide.allow_source(&made.report));
+    let broken = human(&[b"\x89PNG\r\n\x1a\nnothing".to_vec()]);
+    let refused = fitted(&broken).unwrap_err().to_string();
+    assert!(
+        refused.contains("images[0]") && refused.contains("32 px"),
+        "{refused}"
+    );
 }

@@ -319,6 +319,7 @@ fn a_file_fits_into_limits_at_the_least_error_or_it_is_told_what_is_left() {
         max_bytes: Some(1 << 20),
         max_triangles: Some(1 << 20),
         max_joints: Some(1),
+        ..OptimizeLimits::default()
     };
     let (_, found) = fit(wide).unwrap();
     assert_eq!(

@@ -21,7 +21,7 @@ use articula::formats::Limits;
 use articula::inspect::{
     FAR_FROM_METRES, WarningInspection, has_too_many_joints, inspect, inspect_listed, joint_levels,
 };
-use articula::optimize::{BytesByKind, OptimizeOptions, optimize};
+use articula::optimize::{BytesByKind, OptimizeOptions, OptimizeReport, optimize};
 use articula::{CharacterFile, DataFormat, Figure, Format, MotionTables, rig_joint_map};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -154,9 +154,7 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
     }
     findings.parts = parts(&args.character.file, &figure.opened)?;
     if args.savings {
-        let options = OptimizeOptions::default();
-        let made = console.work(|work| optimize(&figure.opened, &options, work))?;
-        findings.optimized = Some(made.report);
+        findings.optimized = Some(savings(args, &figure.opened, console)?);
     }
     if let Some(far_from_mm) = args.joint_levels {
         let far_from_metres = far_from_mm.map_or(FAR_FROM_METRES, |mm| 1e-3 * mm);
@@ -194,6 +192,21 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         findings.written.push(files::shown(path));
     }
     console.result(&findings, |found| text::of(found, args.map))
+}
+
+/// What the program `optimize` would save at its defaults.
+fn savings(
+    args: &InspectArgs,
+    opened: &CharacterFile,
+    console: &Console,
+) -> anyhow::Result<OptimizeReport> {
+    let options = OptimizeOptions::default();
+    let made = console.work(|work| optimize(opened, &options, work))?;
+    if args.character.leaves_out() {
+        return Ok(made.report);
+    }
+    let source = files::read(&args.character.file, Limits::default().bytes)?;
+    Ok(made.or_source(&source).report)
 }
 
 /// Bytes of the parts of a glTF file, as they are stored if they are all in it.

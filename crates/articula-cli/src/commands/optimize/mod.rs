@@ -75,6 +75,14 @@ pub(crate) struct OptimizeArgs {
     /// Greatest number of triangles
     #[arg(long, value_name = "N", conflicts_with = "no_simplify")]
     max_triangles: Option<usize>,
+    /// Greatest number of joints of all skins: those that are missed least are merged into the joints above
+    /// them, at an error that is told beside the others
+    #[arg(long, value_name = "N")]
+    max_joints: Option<usize>,
+    /// Longest side of any texture in pixels: larger ones are made smaller, and a file with one that cannot
+    /// be is refused
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    max_textures_px: Option<u32>,
     /// Published limits of a platform: vrchat-quest, vrchat-quest-good, vrchat-quest-excellent, cluster,
     /// mona, roblox, second-life
     #[arg(long, value_name = "NAME", conflicts_with = "no_simplify")]
@@ -212,7 +220,7 @@ impl OptimizeArgs {
             region_weights: self.region_weight.clone(),
             keep_attributes: self.keep_attributes,
             skin: skin.map(Arc::new),
-            textures: self.textures.options(),
+            textures: self.textures.options(self.height_px),
             seed: self.seed,
         })
     }
@@ -227,7 +235,8 @@ impl OptimizeArgs {
         let own = OptimizeLimits {
             max_bytes: self.max_bytes,
             max_triangles: self.max_triangles,
-            max_joints: None,
+            max_textures_px: self.max_textures_px.map(|px| px as usize),
+            max_joints: self.max_joints,
         };
         let platform = self.platform()?;
         Ok(platform.map_or(own, |platform| own.and(platform.limits)))
@@ -296,14 +305,11 @@ impl OptimizeArgs {
             [input] if is_whole(&opened, input) => Some(input),
             _ => None,
         };
-        let is_larger = made.report.bytes_out >= made.report.bytes_in;
-        let kept = alone.filter(|_| is_larger && joints.is_none() && fit.is_none());
-        let is_kept = kept.is_some();
-        let bytes = match kept {
-            Some(input) => files::read(input, Limits::default().bytes)?,
-            None => made.glb,
-        };
-        console.files.write(&file.out, &bytes)?;
+        let may_be_kept = joints.is_none() && limits.allow_source(&made.report);
+        if let Some(input) = alone.filter(|_| may_be_kept) {
+            made = made.or_source(&files::read(input, Limits::default().bytes)?);
+        }
+        console.files.write(&file.out, &made.glb)?;
         let inputs: Vec<String> = file
             .inputs
             .iter()
@@ -312,7 +318,6 @@ impl OptimizeArgs {
         Ok(OptimizedFile {
             input: inputs.join(", "),
             out: files::shown(&file.out),
-            is_kept,
             joints,
             fit,
             platform: self.platform()?,

@@ -13,9 +13,6 @@ pub(super) struct OptimizedFile {
     #[serde(rename = "in")]
     pub(super) input: String,
     pub(super) out: String,
-    /// Whether the source was written, since nothing could be saved.
-    #[serde(rename = "kept_as_it_is")]
-    pub(super) is_kept: bool,
     /// The joints that may move, if they were chosen.
     pub(super) joints: Option<JointsHeld>,
     /// How it was made to fit into limits, if there are any.
@@ -53,6 +50,12 @@ impl OptimizedFile {
             text += &format!(
                 "{}: {} of {} joints move, the others are held\n",
                 held.selection, held.joints_active, held.joints
+            );
+        }
+        if let Some(merged) = &report.merged_joints {
+            text += &format!(
+                "joints of skins: {} -> {}; the others stand at rest, at an error of {:.3} mm beside those below\n",
+                merged.joints_in, merged.joints_out, merged.error_mm
             );
         }
         text += &format!(
@@ -111,6 +114,11 @@ impl OptimizedFile {
                 self.report.triangles_out,
                 "triangles",
             ),
+            (
+                fit.limits.max_textures_px,
+                self.longest_px(),
+                "pixels of a texture",
+            ),
         ];
         for (max, found, what) in limits {
             if let Some(max) = max {
@@ -129,11 +137,18 @@ impl OptimizedFile {
         }
     }
 
+    /// The longest side of all textures in pixels.
+    fn longest_px(&self) -> usize {
+        let sizes = self.report.textures.iter().filter_map(|t| t.size_out);
+        let longest = sizes.flatten().max();
+        longest.unwrap_or(0) as usize
+    }
+
     /// The bytes before and after.
     fn saved(&self) -> String {
         let (before, after) = (self.report.bytes_in, self.report.bytes_out);
-        if self.is_kept {
-            return format!("{before} bytes, kept as it is: nothing could be saved");
+        if self.report.is_kept {
+            return format!("{before} bytes, kept as it is: nothing worth an error could be saved");
         }
         let percent = 100.0 * after as f64 / before.max(1) as f64;
         format!("{before} -> {after} bytes ({percent:.1} %)")
@@ -175,10 +190,7 @@ impl Batch {
         let (mut before, mut after) = (0, 0);
         for file in &self.files {
             let report = &file.report;
-            let out = match file.is_kept {
-                true => report.bytes_in,
-                false => report.bytes_out,
-            };
+            let out = report.bytes_out;
             (before, after) = (before + report.bytes_in, after + out);
             table.row([
                 file.out.clone(),

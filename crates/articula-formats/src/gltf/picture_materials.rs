@@ -1,0 +1,110 @@
+//! The materials that show each picture at the texture coordinates that a character has.
+
+use super::append::{entries_mut, index};
+use super::document::Document;
+use super::plain_textures::{coordinates, is_reference};
+use super::texture_source::sources;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+const VARIANTS: &str = "KHR_materials_variants";
+
+impl Document {
+    /// Returns for each picture the materials that use it, if all of them do at the coordinates of their base
+    /// colour, which are those of a part of a character. `None` of all others, of pictures that no material
+    /// uses, and of all pictures if the materials of a primitive vary.
+    pub fn picture_materials(&self) -> Vec<Option<BTreeSet<usize>>> {
+        let mut json = self.json.clone();
+        let mut meshes = entries_mut(&mut json, "meshes").iter_mut();
+        let varies = meshes.any(|mesh| {
+            let mut primitives = entries_mut(mesh, "primitives").iter();
+            primitives.any(|p| {
+                p.get("extensions")
+                    .is_some_and(|e| e.get(VARIANTS).is_some())
+            })
+        });
+        let mut found = Found {
+            textures: entries_mut(&mut json, "textures")
+                .iter()
+                .map(|texture| sources(texture).collect())
+                .collect(),
+            materials: vec![BTreeSet::new(); self.count("images")],
+            moved: BTreeSet::new(),
+        };
+        for (m, material) in entries_mut(&mut json, "materials").iter().enumerate() {
+            let base = material.pointer("/pbrMetallicRoughness/baseColorTexture");
+            let shown = base.map_or((0, json!({})), coordinates);
+            found.add(material, m, &shown);
+        }
+        let moved = found.moved;
+        let all = found.materials.into_iter().enumerate();
+        all.map(|(i, materials)| {
+            let is_known = !varies && !materials.is_empty() && !moved.contains(&i);
+            is_known.then_some(materials)
+        })
+        .collect()
+    }
+}
+
+struct Found {
+    /// The pictures of each texture.
+    textures: Vec<Vec<usize>>,
+    /// The materials of each picture.
+    materials: Vec<BTreeSet<usize>>,
+    /// Pictures that are shown at other coordinates.
+    moved: BTreeSet<usize>,
+}
+
+impl Found {
+    /// Adds the references in a value of a material whose base colour has coordinates.
+    fn add(&mut self, value: &Value, material: usize, shown: &(u64, Value)) {
+        let list = value.as_array().into_iter().flatten();
+        list.for_each(|inner| self.add(inner, material, shown));
+        for (key, inner) in value.as_object().into_iter().flatten() {
+            self.add(inner, material, shown);
+            if !is_reference(key, inner) {
+                continue;
+            }
+            let pictures = index(inner, "index").and_then(|i| self.textures.get(i));
+            for picture in pictures.into_iter().flatten() {
+                if let Some(materials) = self.materials.get_mut(*picture) {
+                    materials.insert(material);
+                }
+                if coordinates(inner) != *shown {
+                    self.moved.insert(*picture);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_at_other_coordinates_or_of_varying_materials_are_not_known() {
+        let moved = json!({"index": 2, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}});
+        let mut document = Document {
+            json: json!({
+                "images": [{}, {}, {}, {}, {}],
+                "textures": [{"source": 0}, {"source": 1}, {"source": 2}, {"source": 3}],
+                "materials": [
+                    {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "normalTexture": {"index": 1},
+                        "emissiveTexture": moved},
+                    {"pbrMetallicRoughness": {"baseColorTexture": {"index": 1, "texCoord": 1}},
+                        "occlusionTexture": {"index": 3, "texCoord": 0}},
+                ],
+                "meshes": [{"primitives": [{"attributes": {}}]}],
+            }),
+            buffers: Vec::new(),
+            pictures: vec![None; 5],
+        };
+        let of = |materials: &[usize]| Some(materials.iter().copied().collect::<BTreeSet<_>>());
+        let found = document.picture_materials();
+        assert_eq!(found, [of(&[0]), of(&[0, 1]), None, None, None]);
+        document.json["meshes"][0]["primitives"][0]["extensions"] =
+            json!({VARIANTS: {"mappings": []}});
+        assert_eq!(document.picture_materials(), vec![None; 5]);
+    }
+}
