@@ -156,7 +156,7 @@ fn no_joint_is_merged_that_need_not_be_and_impossible_numbers_are_told() {
 
 #[test]
 fn a_human_with_fewer_joints_has_the_least_error_that_the_number_allows() {
-    let mut character = articula::human::human(&HumanOptions { triangles: 2000 }).unwrap();
+    let mut character = articula::human::human(&HumanOptions::mannequin(2000)).unwrap();
     character.clips.truncate(1);
     let source = file(character);
     let skinned = |character: &Character| {
