@@ -1,4 +1,4 @@
-// Makes the character that the page begins with: the reference human of the library, prepared. It is made again when
+// Makes the character that the page begins with: the mannequin of the library, prepared, whose scores can be compared. It is made again when
 // the program is newer than the file.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, rmSync, statSync } from 'node:fs';
@@ -22,7 +22,7 @@ if (program === undefined) {
   try {
     const human = join(folder, 'human.glb');
     mkdirSync(fileURLToPath(new URL('../public', import.meta.url)), { recursive: true });
-    execFileSync(program, ['human', '--quiet', '--triangles', '12000', human], { stdio: ['ignore', 'ignore', 'inherit'] });
+    execFileSync(program, ['human', '--quiet', '--mannequin', '--triangles', '12000', human], { stdio: ['ignore', 'ignore', 'inherit'] });
     execFileSync(program, ['build', '--quiet', '--force', '--levels', '4', human, OUT], { stdio: ['ignore', 'ignore', 'inherit'] });
   } finally {
     rmSync(folder, { recursive: true });

@@ -52,7 +52,7 @@ export class DevicesPage {
     const { state } = studio;
     const seconds = slider({ label: 'At most', min: 1, max: 30, step: 1, value: state.seconds, shown: (n) => `${n} s each`, onInput: (n) => studio.set({ seconds: n }) });
     const run = button('Run all three', () => void this.run(), 'primary');
-    const about = h('p', { class: 'hint' }, 'Plays the reference human at graded sizes in a worker, until it is certain which grade holds 25 and 60 frames a second. 100 % is the reference machine. The command articula bench device does the same.');
+    const about = h('p', { class: 'hint' }, 'Plays the mannequin at graded sizes in a worker, until it is certain which grade holds 25 and 60 frames a second. 100 % is the reference machine. The command articula bench device does the same.');
     const results = APPLICATIONS.map(([key, title, text]) => {
       const out = h('div', { class: 'results', 'aria-live': 'polite' });
       this.#out.set(key, out);

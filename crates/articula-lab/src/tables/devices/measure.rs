@@ -96,7 +96,7 @@ pub(super) struct Programs(pub(super) PathBuf);
 
 impl Programs {
     /// The rates of some grades of an application on a device, with another character in place of the
-    /// reference human if one is given.
+    /// mannequin if one is given.
     pub(super) fn rates(
         &self,
         device: &Device,
@@ -193,13 +193,13 @@ impl Programs {
         })
     }
 
-    /// A file of the reference human, which the module is given.
+    /// A file of the mannequin, which the module is given.
     fn human(&self) -> Result<String> {
         let words = self.words(Making::Flags(&[]))?;
-        let path = std::env::temp_dir().join("articula-reference-human.glb");
+        let path = std::env::temp_dir().join("articula-mannequin.glb");
         let path = path.display().to_string();
         let output = Command::new(&words[0])
-            .args(["--force", "human", &path])
+            .args(["--force", "human", "--mannequin", &path])
             .output();
         let output = output.with_context(|| words[0].clone())?;
         match output.status.success() {

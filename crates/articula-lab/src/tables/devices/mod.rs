@@ -30,7 +30,7 @@ impl Builds {
     }
 }
 
-/// An application with the grades of the reference human that are its tests.
+/// An application with the grades of the mannequin that are its tests.
 const TESTS: [(&str, [usize; 3]); 3] = [
     ("body", [4, 7, 10]),
     ("face", [4, 7, 10]),

@@ -24,7 +24,7 @@ threads for crowds, a core that is shared with another busy program of the same 
 development profile, the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
 another, and the module for web pages in node. The thesis has six machines; a quota of processor time needs rights that a container does not have.
 
-*Tests* are grades of the reference human ([method](../methods/adaptation.md#8-a-device-that-is-benchmarked)), *applications*
+*Tests* are grades of the mannequin ([method](../methods/adaptation.md#8-a-device-that-is-benchmarked)), *applications*
 play other characters. Frames per second, each the median of 6 to 15 runs of `articula bench device --grades`.
 ";
 

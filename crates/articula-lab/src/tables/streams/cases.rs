@@ -8,7 +8,7 @@ use std::path::Path;
 pub(super) struct Case {
     /// Name in the table.
     pub(super) name: &'static str,
-    /// File of the data folder; empty for the reference human.
+    /// File of the data folder; empty for the mannequin.
     file: &'static str,
     /// Character onto which a motion without one is retargeted; empty for none.
     onto: &'static str,
@@ -44,7 +44,7 @@ pub(super) const CASES: &[Case] = &[
         &["walk", "jog", "run", "atlas"],
         true,
     ),
-    case("reference human", "", &["walk"], true),
+    case("mannequin", "", &["walk"], true),
     case(
         "KayKit Knight",
         "glb/KayKit_Knight.glb",
