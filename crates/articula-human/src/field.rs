@@ -261,6 +261,15 @@ impl Group {
         gradient(half, p).try_normalize().unwrap_or(Vec3::Y)
     }
 
+    /// The point of a face at x and y, moved outwards by `lift`.
+    pub(crate) fn on_skin(&self, [x, y]: [f32; 2], lift: f32) -> Vec3 {
+        let mut p = Vec3::new(x, y, 0.13);
+        for _ in 0..60 {
+            p.z -= 0.7 * self.distance(p);
+        }
+        p + self.normal(p) * lift
+    }
+
     /// Corners of the bounding box.
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds.unwrap_or((Vec3::ZERO, Vec3::ZERO))

@@ -136,7 +136,7 @@ pub(crate) fn brow(head: &Group) -> Group {
         ([0.0365, 1.6588], 0.0019),
         ([0.0465, 1.6555], 0.001),
     ];
-    let at = |i: usize| on_skin(head, arch[i].0, -0.001);
+    let at = |i: usize| head.on_skin(arch[i].0, -0.001).into();
     (0..3).fold(Group::default(), |group, i| {
         let bone = Shape::cone(at(i), at(i + 1), [arch[i].1, arch[i + 1].1]);
         group.with(bone, Join::Add(0.0008))
@@ -145,7 +145,7 @@ pub(crate) fn brow(head: &Group) -> Group {
 
 /// Both lips, as one piece with the line of the mouth carved between them.
 pub(crate) fn lips(head: &Group) -> Group {
-    let at = |x: f32, y: f32, lift: f32| on_skin(head, [x, y], lift);
+    let at = |x: f32, y: f32, lift: f32| head.on_skin([x, y], lift).into();
     let bow = |a, b, radii, join| (Shape::cone(a, b, radii), join);
     let parts = [
         bow(
@@ -176,13 +176,4 @@ pub(crate) fn lips(head: &Group) -> Group {
     parts
         .into_iter()
         .fold(Group::default(), |lips, (part, join)| lips.with(part, join))
-}
-
-/// The point of the face at x and y, moved outwards by `lift`.
-fn on_skin(head: &Group, [x, y]: [f32; 2], lift: f32) -> [f32; 3] {
-    let mut p = Vec3::new(x, y, 0.13);
-    for _ in 0..60 {
-        p.z -= 0.7 * head.distance(p);
-    }
-    (p + head.normal(p) * lift).into()
 }

@@ -7,7 +7,7 @@ use crate::body::Body;
 use crate::eyes::{self, EYE, EYE_RADIUS, Lid};
 use crate::field::Group;
 use crate::mouth::{self, CORNER, LINE, OPENING, Side};
-use crate::person_head::{self, on_skin};
+use crate::person_head;
 use crate::polygonise::onto;
 use crate::skeleton;
 use articula_core::feature_points::{FEATURE_POINTS, PointId};
@@ -72,7 +72,7 @@ impl Face {
 
     /// The point of the face at x and y, seen from the front.
     fn front(&self, x: f32, y: f32) -> Vec3 {
-        let p = on_skin(&self.closed, [x, y], 0.0);
+        let p = self.closed.on_skin([x, y], 0.0);
         Vec3::new(x, p.y, p.z)
     }
 

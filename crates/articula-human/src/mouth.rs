@@ -2,7 +2,6 @@
 
 use crate::eyes::{facing, quads};
 use crate::field::{Group, Join, Shape};
-use crate::person_head::on_skin;
 use crate::polygonise::Surface;
 use glam::{Mat3, Vec3};
 use std::f32::consts::FRAC_PI_2;
@@ -40,7 +39,7 @@ pub(crate) fn line(x: f32) -> f32 {
 
 /// Carves the opening of the mouth and the space behind it.
 pub(crate) fn carved(head: Group) -> Group {
-    let z = on_skin(&head, [0.0, LINE], 0.0).z;
+    let z = head.on_skin([0.0, LINE], 0.0).z;
     let e = |center, radii| Shape::ellipsoid(center, radii, Mat3::IDENTITY);
     head.with(
         e([0.0, LINE - 0.001, z - 0.03], [0.0235, 0.0125, 0.0235]),
@@ -71,7 +70,7 @@ fn height(side: Side, along: f32) -> f32 {
 
 /// The place between the lips at a distance from the middle.
 pub(crate) fn inner_contour(head: &Group, x: f32) -> Vec3 {
-    let p = on_skin(head, [x, line(x)], INNER);
+    let p = head.on_skin([x, line(x)], INNER);
     Vec3::new(x, line(x), p.z)
 }
 
@@ -107,7 +106,7 @@ pub(crate) fn lip(head: &Group, side: Side, columns: usize) -> Surface {
         let taper = (1.0 - along * along).max(0.0).sqrt();
         for (share, lift) in rows {
             let lift = lift * taper - 0.0012 * (1.0 - taper);
-            let mut p = on_skin(head, [x, line + sign * share * height], lift);
+            let mut p = head.on_skin([x, line + sign * share * height], lift);
             p.x = if i == 0 { 0.0 } else { p.x.max(1e-4) };
             if share == 0.0 {
                 p.y = line;
@@ -115,7 +114,7 @@ pub(crate) fn lip(head: &Group, side: Side, columns: usize) -> Surface {
             out.positions.push(p);
         }
         // The inner face goes back behind the teeth's border.
-        let mut inner = on_skin(head, [x, line + sign * 0.0018 * taper], -0.0062);
+        let mut inner = head.on_skin([x, line + sign * 0.0018 * taper], -0.0062);
         inner.x = if i == 0 { 0.0 } else { x };
         out.positions.push(inner);
     }
@@ -126,7 +125,7 @@ pub(crate) fn lip(head: &Group, side: Side, columns: usize) -> Surface {
 /// Heights above the line of the mouth of gum, crown and edge of a row of teeth, half its width and
 /// depth, and the z of its front; the lower row closes behind the upper one.
 fn dental_arch(head: &Group, side: Side) -> ([f32; 3], [f32; 2], f32) {
-    let z = on_skin(head, [0.0, LINE], 0.0).z;
+    let z = head.on_skin([0.0, LINE], 0.0).z;
     match side {
         Side::Upper => ([0.0085, 0.0, -0.0028], [0.0192, 0.022], z - 0.0078),
         Side::Lower => ([-0.0115, -0.006, -0.0034], [0.0178, 0.02], z - 0.0098),
@@ -177,7 +176,7 @@ fn on_tongue(z: f32, along: f32, turn: f32) -> Vec3 {
 
 /// A feature point of the tongue: its tip (1), its middle (2) or its left border (3).
 pub(crate) fn tongue_point(head: &Group, number: u8) -> Vec3 {
-    let z = on_skin(head, [0.0, LINE], 0.0).z;
+    let z = head.on_skin([0.0, LINE], 0.0).z;
     match number {
         1 => on_tongue(z, 0.0, 0.0),
         2 => on_tongue(z, 0.5, 0.0),
@@ -187,7 +186,7 @@ pub(crate) fn tongue_point(head: &Group, number: u8) -> Vec3 {
 
 /// The left half of the tongue: a flat dome behind the lower teeth.
 pub(crate) fn tongue(head: &Group, columns: usize) -> Surface {
-    let z = on_skin(head, [0.0, LINE], 0.0).z;
+    let z = head.on_skin([0.0, LINE], 0.0).z;
     let mut out = Surface::default();
     let rows = columns.max(3) + 1;
     for i in 0..=columns {

@@ -184,20 +184,11 @@ pub(crate) fn brow(head: &Group) -> Group {
         ([0.0435, 1.6614], 0.0016),
         ([0.0505, 1.6572], 0.0008),
     ];
-    let at = |i: usize| on_skin(head, arch[i].0, -0.0012);
+    let at = |i: usize| head.on_skin(arch[i].0, -0.0012);
     (0..4).fold(Group::default(), |group, i| {
         let hairs = Shape::cone(at(i).into(), at(i + 1).into(), [arch[i].1, arch[i + 1].1]);
         group.with(hairs, Join::Add(0.0012))
     })
-}
-
-/// The point of the face at x and y, moved outwards by `lift`.
-pub(crate) fn on_skin(head: &Group, [x, y]: [f32; 2], lift: f32) -> Vec3 {
-    let mut p = Vec3::new(x, y, 0.13);
-    for _ in 0..60 {
-        p.z -= 0.7 * head.distance(p);
-    }
-    p + head.normal(p) * lift
 }
 
 /// The borders between the tones of the skin; each is where a function is zero.
