@@ -60,7 +60,8 @@ pub(crate) fn check() -> Result<Outcome> {
         npm(words)?;
     }
     // The program with those pages inside. Only what the feature changes is compiled.
-    let words = ["clippy", "--workspace", "--quiet"];
+    // The same targets as in the step clippy: others would have other features.
+    let words = ["clippy", "--workspace", "--all-targets", "--quiet"];
     let features = ["--features", "articula-cli/studio", "--"];
     run(cargo().args(words).args(features).args(["-D", "warnings"]))?;
     Ok(Outcome::Done)
