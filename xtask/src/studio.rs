@@ -18,7 +18,7 @@ const OPENERS: [&str; 3] = ["xdg-open", "open", "explorer"];
 
 /// Builds the release program with the pages inside; without Node says so and builds nothing.
 pub(crate) fn build() -> Result<Outcome> {
-    if let skipped @ Outcome::Skipped(_) = web_pages::install()? {
+    if let skipped @ Outcome::Skipped(_) = told("packages", web_pages::install)? {
         return Ok(skipped);
     }
     // The program makes the character with which the pages begin.
