@@ -62,7 +62,7 @@ impl Site {
 
 impl Expressions {
     pub(crate) fn new(closed: &crate::field::Group) -> Self {
-        let at = |x: f32| crate::person_head::on_skin(closed, [x, line(x)], 0.0);
+        let at = |x: f32| crate::front::on_skin(closed, [x, line(x)], 0.0);
         Self {
             jaw: Jaw::new(at(CORNER)),
             corner: at(CORNER),

@@ -6,8 +6,9 @@
 use crate::body::Body;
 use crate::eyes::{self, EYE, EYE_RADIUS, Lid};
 use crate::field::Group;
+use crate::front::on_skin;
 use crate::mouth::{self, CORNER, LINE, OPENING, Side};
-use crate::person_head::{self, on_skin};
+use crate::person_head;
 use crate::polygonise::onto;
 use crate::skeleton;
 use articula_core::feature_points::{FEATURE_POINTS, PointId};

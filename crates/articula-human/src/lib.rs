@@ -22,6 +22,7 @@ mod expression;
 mod eyes;
 mod field;
 mod foot;
+mod front;
 mod gait;
 mod gestures;
 mod hand;

@@ -2,7 +2,7 @@
 
 use crate::eyes::{facing, quads};
 use crate::field::{Group, Join, Shape};
-use crate::person_head::on_skin;
+use crate::front::on_skin;
 use crate::polygonise::Surface;
 use glam::{Mat3, Vec3};
 use std::f32::consts::FRAC_PI_2;

@@ -7,6 +7,7 @@ use crate::body::Body;
 use crate::eyes::{EYE, EYE_RADIUS};
 use crate::field::{Group, Join, Section, Shape};
 use crate::foot;
+use crate::front::on_skin;
 use crate::mouth;
 use glam::{Mat3, Vec3};
 
@@ -189,15 +190,6 @@ pub(crate) fn brow(head: &Group) -> Group {
         let hairs = Shape::cone(at(i).into(), at(i + 1).into(), [arch[i].1, arch[i + 1].1]);
         group.with(hairs, Join::Add(0.0012))
     })
-}
-
-/// The point of the face at x and y, moved outwards by `lift`.
-pub(crate) fn on_skin(head: &Group, [x, y]: [f32; 2], lift: f32) -> Vec3 {
-    let mut p = Vec3::new(x, y, 0.13);
-    for _ in 0..60 {
-        p.z -= 0.7 * head.distance(p);
-    }
-    p + head.normal(p) * lift
 }
 
 /// The borders between the tones of the skin; each is where a function is zero.
