@@ -23,12 +23,14 @@ fn documented(document: &Value) -> BTreeSet<String> {
     all
 }
 
-/// Adds the routes of the sources of a folder.
+/// Adds the routes of the sources of a folder. Pages of the studio are no part of the interface.
 fn add_routes(folder: PathBuf, routes: &mut BTreeSet<String>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         if path.is_dir() {
-            add_routes(path, routes);
+            if !path.ends_with("studio") {
+                add_routes(path, routes);
+            }
             continue;
         }
         let text = std::fs::read_to_string(&path).unwrap();
