@@ -50,7 +50,7 @@ const STREAM: Module = Module {
 const PUBLISH: Module = Module {
     name: "publish",
     contents: "2D output, packaging, lighter files, motions of faces, voices, evaluation, benchmark",
-    limit: 2_100_000,
+    limit: 2_150_000,
 };
 
 const MODULES: [&Module; 4] = [&PLAY, &TOOLS, &STREAM, &PUBLISH];
