@@ -27,14 +27,14 @@ fn primitive(coarse: &Primitive) -> Primitive {
     let edges: Vec<[u32; 2]> = surface.edges.iter().copied().collect();
     let mut fine = Primitive {
         positions: surface.smoothed(coarse, &coarse.positions, &edges),
-        texcoords: evenly_spaced_frames(&coarse.texcoords, &edges, |a, b| 0.5 * (a + b)),
-        colors: evenly_spaced_frames(&coarse.colors, &edges, |a, b| 0.5 * (a + b)),
+        texcoords: with_edge_values(&coarse.texcoords, &edges, |a, b| 0.5 * (a + b)),
+        colors: with_edge_values(&coarse.colors, &edges, |a, b| 0.5 * (a + b)),
         morphs: coarse
             .morphs
             .iter()
             .map(|m| MorphTarget {
                 positions: surface.smoothed(coarse, &m.positions, &edges),
-                normals: evenly_spaced_frames(&m.normals, &edges, |a, b| 0.5 * (a + b)),
+                normals: with_edge_values(&m.normals, &edges, |a, b| 0.5 * (a + b)),
             })
             .collect(),
         material: coarse.material,
@@ -84,7 +84,7 @@ fn points(positions: &[Vec3]) -> Vec<u32> {
 }
 
 /// The old values, followed by one value for each edge.
-fn evenly_spaced_frames<T: Copy>(
+fn with_edge_values<T: Copy>(
     values: &[T],
     edges: &[[u32; 2]],
     middle: impl Fn(T, T) -> T,
