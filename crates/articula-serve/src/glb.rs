@@ -12,6 +12,7 @@ use articula::item::{Item, Manifest, PartKind, assemble, compressed};
 use articula::{CharacterFile, Format, OpenOptions, convert};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
@@ -25,14 +26,25 @@ const QUALITIES: [&str; 3] = ["high", "medium", "low"];
 const NONE: &str = "none";
 /// The morph targets that have names of ARKit.
 const ARKIT: &str = "ARKit";
+/// The channel of textures that items have, and all that a query may name, as glTF calls them.
+const BASE_COLOR: &str = "baseColor";
+const CHANNELS: [&str; 6] = [
+    NONE,
+    BASE_COLOR,
+    "emissive",
+    "metallicRoughness",
+    "normal",
+    "occlusion",
+];
 /// The parameters of a query.
-const PARAMETERS: [&str; 7] = [
+const PARAMETERS: [&str; 8] = [
     "clip",
     "loa",
     "lod",
     "mesh",
     "morphTargets",
     "quality",
+    "textureChannels",
     "textureSizeLimit",
 ];
 
@@ -70,6 +82,7 @@ pub(crate) async fn answer(
 struct WantedGlb {
     cut: Wanted,
     is_still: bool,
+    is_without_textures: bool,
     /// Names of morph targets, and groups of them; all without.
     morphs: Option<BTreeSet<String>>,
 }
@@ -90,11 +103,15 @@ impl WantedGlb {
             quality.and_then(|name| (0..).zip(QUALITIES).find(|(_, known)| *known == name));
         let quality = quality.map(|(lod, _)| lod);
         let morphs = query.words("morphTargets")?;
-        let is_mixed = |words: &BTreeSet<String>| words.contains(NONE) && words.len() > 1;
         if morphs.as_ref().is_some_and(is_mixed) {
             let what = "morphTargets: none stands alone; expected none, ARKit or names";
             return Err(Refusal(what.to_owned()));
         }
+        let channels = query.words("textureChannels")?;
+        if let Some(channels) = &channels {
+            check_channels(channels)?;
+        }
+        let has_textures = channels.is_none_or(|channels| channels.contains(BASE_COLOR));
         let texture_px = query.number("textureSizeLimit", TEXTURE_PX)?;
         // What is asked for by itself counts.
         let lod = lod.or(quality);
@@ -108,6 +125,7 @@ impl WantedGlb {
                 texture_px: texture_px.or_else(|| Some(TEXTURE_PX.end() >> quality?)),
             },
             is_still,
+            is_without_textures: !has_textures,
             morphs,
         })
     }
@@ -132,10 +150,22 @@ impl WantedGlb {
     }
 
     fn written(&self, item: &Item, open: &OpenOptions) -> Result<Vec<u8>, NotMade> {
-        let adapted = match self.is_still {
-            true => self.cut.adapted(&still(item))?,
-            false => self.cut.adapted(item)?,
+        let is_left_out = |kind| match kind {
+            PartKind::BodyMotion | PartKind::FaceMotion => self.is_still,
+            PartKind::Texture => self.is_without_textures,
+            PartKind::Mesh => false,
         };
+        let mut item = Cow::Borrowed(item);
+        if item
+            .manifest
+            .parts
+            .iter()
+            .any(|part| is_left_out(part.kind))
+        {
+            let parts = &mut item.to_mut().manifest.parts;
+            parts.retain(|part| !is_left_out(part.kind));
+        }
+        let adapted = self.cut.adapted(&item)?;
         let mut opened = assemble(&adapted, open)?;
         if let Some(morphs) = &self.morphs {
             keep_morphs(&mut opened, morphs)?;
@@ -144,12 +174,23 @@ impl WantedGlb {
     }
 }
 
-/// The item without motions.
-fn still(item: &Item) -> Item {
-    let mut item = item.clone();
-    let is_motion = |kind| matches!(kind, PartKind::BodyMotion | PartKind::FaceMotion);
-    item.manifest.parts.retain(|part| !is_motion(part.kind));
-    item
+/// Whether a list says at once that there is nothing and something.
+fn is_mixed(words: &BTreeSet<String>) -> bool {
+    words.contains(NONE) && words.len() > 1
+}
+
+fn check_channels(wanted: &BTreeSet<String>) -> Result<(), Refusal> {
+    if let Some(other) = wanted
+        .iter()
+        .find(|name| !CHANNELS.contains(&name.as_str()))
+    {
+        return Err(unknown_word("textureChannels", other, &CHANNELS));
+    }
+    if is_mixed(wanted) {
+        let what = "textureChannels: none stands alone; expected none or channels";
+        return Err(Refusal(what.to_owned()));
+    }
+    Ok(())
 }
 
 /// The mesh level of a level of detail: the finest that has at most half the triangles of level 0, of the lowest

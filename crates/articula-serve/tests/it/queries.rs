@@ -2,6 +2,7 @@
 
 use crate::client::{Answer, Server, options};
 use crate::{judges, real};
+use articula::core::source::Image;
 use articula::formats::Limits;
 use articula::item::{
     AdaptOptions, AdaptedItem, Item, ItemLayer, Manifest, MeshLevelEntry, adapt, decide,
@@ -164,6 +165,26 @@ fn levels_and_motions(made: &mut Files<'_>, manifest: &Manifest, whole: &Charact
     let has = |glb: &[u8]| glb.windows(picture.len()).any(|bytes| bytes == picture);
     let glb = |which: usize| made.1.iter().nth_back(which).unwrap();
     assert!(has(glb(0)) && !has(glb(1)));
+    // Without the channel of base colours a picture is a pixel of its mean colour, and all else is there.
+    let plain = made.get("man.glb?textureChannels=none");
+    let is_pixel = |image: &Image| image.bytes.get(16..24) == Some(&[0, 0, 0, 1, 0, 0, 0, 1][..]);
+    assert!(!plain.character().images.is_empty());
+    assert!(plain.character().images.iter().all(is_pixel));
+    assert!(!whole.character().images.iter().all(is_pixel));
+    assert_eq!(
+        (count(&plain), plain.character().clips.len()),
+        (count(whole), 1)
+    );
+    for [one, other] in [
+        ["?textureChannels=none", "?textureChannels=normal,occlusion"],
+        ["", "?textureChannels=baseColor,normal"],
+    ] {
+        for query in [one, other] {
+            made.get(&format!("man.glb{query}"));
+        }
+        let [other, one] = [0, 1].map(|which| made.1.iter().nth_back(which).unwrap());
+        assert!(one == other);
+    }
     // A quality is what it stands for, unless that is asked for too.
     for [one, other] in [
         ["quality=low", "lod=2&textureSizeLimit=256"],
@@ -248,7 +269,7 @@ fn wrong(server: &Server, coarsest: u32) {
     for (query, told) in [
         (
             "size=3",
-            "clip, loa, lod, mesh, morphTargets, quality, textureSizeLimit",
+            "clip, loa, lod, mesh, morphTargets, quality, textureChannels, textureSizeLimit",
         ),
         ("lod=1&lod=1", "lod: given twice"),
         ("lod=3", "lod: found 3, expected a whole number from 0 to 2"),
@@ -259,6 +280,11 @@ fn wrong(server: &Server, coarsest: u32) {
         ("lod=1&mesh=1", "leave one of them out"),
         ("clip=fly", "clip: found \"fly\", expected one of "),
         ("morphTargets=none,jawOpen", "none stands alone"),
+        ("textureChannels=none,baseColor", "none stands alone"),
+        (
+            "textureChannels=roughness",
+            "textureChannels: found \"roughness\", expected one of ",
+        ),
         ("morphTargets=", "morphTargets: a name is empty"),
         (
             "morphTargets=smile",
