@@ -7,6 +7,7 @@ use articula::face::{HeadSurface, face_layout};
 use articula::flat::{Bounds, Picture, PictureError};
 use articula::{Error, Figure};
 use glam::Vec3;
+use std::path::Path;
 
 /// Draws the face of a figure with each of its morph targets; those of one name in several meshes move
 /// together. `None` if it has none.
@@ -76,7 +77,9 @@ fn drawn(figure: &Figure, shapes: &[FaceShape], what: &str) -> articula::Result<
         let what = "no vertex has a finite position";
         Error::Unsupported(what.to_owned())
     })?;
-    let title = format!("{what} of {}", figure.opened.name());
+    let file = Path::new(figure.opened.name());
+    let file = file.file_name().unwrap_or(file.as_os_str());
+    let title = format!("{what} of {}", file.display());
     let sheet: Result<Picture, PictureError> = shape_sheet(
         (&figure.asset.rig, &figure.asset.mesh),
         &appearance(figure),
