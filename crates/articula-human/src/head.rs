@@ -21,15 +21,16 @@ const FACE: [Section; 9] = [
     [1.66, -0.0685, 0.0685, 0.082, -0.08],
 ];
 
-fn e(center: [f32; 3], radii: [f32; 3]) -> Shape {
+/// An ellipsoid along the axes.
+pub(crate) fn e(center: [f32; 3], radii: [f32; 3]) -> Shape {
     Shape::ellipsoid(center, radii, Mat3::IDENTITY)
 }
 
-/// Neck and head.
-pub(crate) fn head() -> Group {
+/// Skull and neck around a face of these sections.
+pub(crate) fn skull_and_neck(face: &[Section]) -> Group {
     let add = Join::Add;
-    let group = Group::default()
-        .with(Shape::loft(&FACE), add(0.0))
+    Group::default()
+        .with(Shape::loft(face), add(0.0))
         // Skull, forehead, back of the head.
         .with(e([0.0, 1.671, -0.012], [0.0745, 0.079, 0.096]), add(0.025))
         .with(e([0.0, 1.69, 0.028], [0.056, 0.045, 0.052]), add(0.03))
@@ -49,6 +50,12 @@ pub(crate) fn head() -> Group {
             Shape::cone([0.042, 1.59, -0.03], [0.015, 1.452, 0.003], [0.01, 0.0085]),
             add(0.03),
         )
+}
+
+/// Neck and head.
+pub(crate) fn head() -> Group {
+    let add = Join::Add;
+    let group = skull_and_neck(&FACE)
         // Jaw and chin.
         .with(
             Shape::cone([0.041, 1.571, 0.006], [0.013, 1.537, 0.06], [0.0145, 0.012]),

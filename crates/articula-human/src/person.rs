@@ -28,6 +28,9 @@ const MATERIALS: [(&str, [f32; 3]); 14] = [
     ("pupil", [0.01, 0.01, 0.01]),
 ];
 
+/// Joints of the eyes, each with the sign of its side.
+const EYEBALLS: [(&str, f32); 2] = [("l_eyeball_joint", 1.0), ("r_eyeball_joint", -1.0)];
+
 /// Creates the human with about this number of triangles.
 pub(crate) fn character(triangles: usize) -> Character {
     let body = person_head::body();
@@ -51,7 +54,7 @@ pub(crate) fn character(triangles: usize) -> Character {
 /// The skeleton of the mannequin with the centres of these larger eyes.
 fn skeleton() -> Skeleton {
     let mut skeleton = skeleton::skeleton();
-    for (name, sign) in [("l_eyeball_joint", 1.0), ("r_eyeball_joint", -1.0)] {
+    for (name, sign) in EYEBALLS {
         let shift = (EYE - skeleton::EYE) * Vec3::new(sign, 1.0, 1.0);
         skeleton.joints[skeleton::joint(name)].rest.translation += shift;
     }
@@ -89,7 +92,7 @@ fn meshes(body: &Body, pieces: &[Piece]) -> Vec<RawMesh> {
     meshes[0].morph_weights = vec![0.0; meshes[0].morph_names.len()];
     // The mesh binds to the centres of the mannequin.
     for mesh in &mut meshes {
-        for (name, sign) in [("l_eyeball_joint", 1.0), ("r_eyeball_joint", -1.0)] {
+        for (name, sign) in EYEBALLS {
             let center = EYE * Vec3::new(sign, 1.0, 1.0);
             mesh.skin.inverse_bind[skeleton::joint(name)] = Affine3A::from_translation(-center);
         }
@@ -122,7 +125,7 @@ const ARMS: f32 = 1.4;
 /// A piece on one joint: an eyeball on its own, all others on the skull.
 fn small_piece(piece: &Piece) -> Primitive {
     let skull = skeleton::joint("skullbase") as u16;
-    let balls = ["l_eyeball_joint", "r_eyeball_joint"].map(|n| skeleton::joint(n) as u16);
+    let balls = EYEBALLS.map(|(name, _)| skeleton::joint(name) as u16);
     let side = |p: Vec3| Vec3::new(if p.x < 0.0 { -1.0 } else { 1.0 }, 1.0, 1.0);
     let hair = person_head::hair();
     let normal = |p: Vec3| match piece.sheet {

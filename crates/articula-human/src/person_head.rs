@@ -7,6 +7,7 @@ use crate::body::Body;
 use crate::eyes::{EYE, EYE_RADIUS};
 use crate::field::{Group, Join, Section, Shape};
 use crate::foot;
+use crate::head::{e, skull_and_neck};
 use crate::mouth;
 use glam::{Mat3, Vec3};
 
@@ -30,10 +31,6 @@ const FACE: [Section; 9] = [
     [1.66, -0.0695, 0.0695, 0.0825, -0.081],
 ];
 
-fn e(center: [f32; 3], radii: [f32; 3]) -> Shape {
-    Shape::ellipsoid(center, radii, Mat3::IDENTITY)
-}
-
 /// The human with a face, clothed.
 pub(crate) fn body() -> Body {
     Body {
@@ -46,27 +43,7 @@ pub(crate) fn body() -> Body {
 /// Neck and head without the mouth, with the openings of the eyes.
 pub(crate) fn closed_head() -> Group {
     let add = Join::Add;
-    let group = Group::default()
-        .with(Shape::loft(&FACE), add(0.0))
-        // Skull, forehead, back of the head.
-        .with(e([0.0, 1.671, -0.012], [0.0745, 0.079, 0.096]), add(0.025))
-        .with(e([0.0, 1.69, 0.028], [0.056, 0.045, 0.052]), add(0.03))
-        .with(e([0.0, 1.65, -0.046], [0.062, 0.05, 0.06]), add(0.03))
-        // Neck, with the muscle from behind the ear to the breast bone.
-        .with(
-            Shape::flat_cone(
-                [0.0, 1.46, -0.045],
-                [0.0, 1.605, -0.018],
-                [0.052, 0.0455],
-                Vec3::Z,
-                1.04,
-            ),
-            add(0.025),
-        )
-        .with(
-            Shape::cone([0.042, 1.59, -0.03], [0.015, 1.452, 0.003], [0.01, 0.0085]),
-            add(0.03),
-        )
+    let group = skull_and_neck(&FACE)
         // Jaw and chin.
         .with(
             Shape::cone([0.04, 1.573, 0.006], [0.013, 1.538, 0.06], [0.0145, 0.012]),
