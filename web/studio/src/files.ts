@@ -38,7 +38,7 @@ export function baseOf(name: string): string {
   return name.replace(/(\.[a-z0-9]+)+$/i, '');
 }
 
-/** Whether a ZIP file has a manifest at its root or in its only folder, as a digital item has. */
+/** Whether a ZIP file names a manifest, as a digital item does; the server reads the rest. */
 export function isItem(bytes: Uint8Array): boolean {
   return new TextDecoder('latin1').decode(bytes).includes('manifest.json');
 }
