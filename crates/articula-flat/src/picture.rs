@@ -127,7 +127,7 @@ impl Picture {
     }
 
     /// Copies another picture into this one, its top left at `(x, y)`; parts outside are clipped.
-    pub(crate) fn put(&mut self, other: &Self, x: u32, y: u32) {
+    pub fn put(&mut self, other: &Self, x: u32, y: u32) {
         let width = other.width.min(self.width.saturating_sub(x)) as usize;
         let rows = other.pixels.chunks_exact(other.width.max(1) as usize);
         let own = self.pixels.chunks_exact_mut(self.width.max(1) as usize);

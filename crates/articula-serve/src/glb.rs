@@ -22,6 +22,8 @@ const LOD: RangeInclusive<u32> = 0..=2;
 const TEXTURE_PX: RangeInclusive<u32> = 256..=1024;
 /// Names of a level of detail with a size of textures, the finest first.
 const QUALITIES: [&str; 3] = ["high", "medium", "low"];
+/// Sides of a texture atlas in pixels.
+const ATLAS_PX: RangeInclusive<u32> = 64..=4096;
 /// Nothing of a kind.
 const NONE: &str = "none";
 /// The morph targets that have names of ARKit.
@@ -37,13 +39,14 @@ const CHANNELS: [&str; 6] = [
     "occlusion",
 ];
 /// The parameters of a query.
-const PARAMETERS: [&str; 8] = [
+const PARAMETERS: [&str; 9] = [
     "clip",
     "loa",
     "lod",
     "mesh",
     "morphTargets",
     "quality",
+    "textureAtlas",
     "textureChannels",
     "textureSizeLimit",
 ];
@@ -83,6 +86,8 @@ struct WantedGlb {
     cut: Wanted,
     is_still: bool,
     is_without_textures: bool,
+    /// Longest side of one picture for the textures of all materials.
+    atlas_px: Option<u32>,
     /// Names of morph targets, and groups of them; all without.
     morphs: Option<BTreeSet<String>>,
 }
@@ -113,6 +118,7 @@ impl WantedGlb {
         }
         let has_textures = channels.is_none_or(|channels| channels.contains(BASE_COLOR));
         let texture_px = query.number("textureSizeLimit", TEXTURE_PX)?;
+        let atlas_px = query.number_or(NONE, "textureAtlas", ATLAS_PX)?;
         // What is asked for by itself counts.
         let lod = lod.or(quality);
         let is_still = clip.as_deref() == Some(NONE);
@@ -126,6 +132,7 @@ impl WantedGlb {
             },
             is_still,
             is_without_textures: !has_textures,
+            atlas_px,
             morphs,
         })
     }
@@ -169,6 +176,9 @@ impl WantedGlb {
         let mut opened = assemble(&adapted, open)?;
         if let Some(morphs) = &self.morphs {
             keep_morphs(&mut opened, morphs)?;
+        }
+        if let Some(longest_px) = self.atlas_px {
+            opened.merge_textures(longest_px)?;
         }
         Ok(convert::write(&opened, Format::Glb)?.bytes)
     }

@@ -43,6 +43,17 @@ impl Parameters {
         name: &str,
         allowed: RangeInclusive<u32>,
     ) -> Result<Option<u32>, Refusal> {
+        let (least, most) = (allowed.start(), allowed.end());
+        let expected = format!("expected a whole number from {least} to {most}");
+        self.whole_number(name, &allowed, &expected)
+    }
+
+    fn whole_number(
+        &mut self,
+        name: &str,
+        allowed: &RangeInclusive<u32>,
+        expected: &str,
+    ) -> Result<Option<u32>, Refusal> {
         let Some(value) = self.0.get_mut(name) else {
             return Ok(None);
         };
@@ -52,14 +63,26 @@ impl Parameters {
             .ok()
             .filter(|n| is_plain && allowed.contains(n));
         let Some(number) = number else {
-            let (least, most) = (allowed.start(), allowed.end());
             let found = shortened(value);
-            let what =
-                format!("{name}: found {found}, expected a whole number from {least} to {most}");
-            return Err(Refusal(what));
+            return Err(Refusal(format!("{name}: found {found}, {expected}")));
         };
         *value = number.to_string();
         Ok(Some(number))
+    }
+
+    /// A whole number, or a word for none; `None` for this too, and if it is not given.
+    pub(crate) fn number_or(
+        &mut self,
+        none: &str,
+        name: &str,
+        allowed: RangeInclusive<u32>,
+    ) -> Result<Option<u32>, Refusal> {
+        if self.0.get(name).is_some_and(|value| value == none) {
+            return Ok(None);
+        }
+        let (least, most) = (allowed.start(), allowed.end());
+        let expected = format!("expected {none} or a whole number from {least} to {most}");
+        self.whole_number(name, &allowed, &expected)
     }
 
     /// One of some names; `None` if it is not given.

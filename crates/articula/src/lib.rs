@@ -107,6 +107,8 @@ mod prepared;
 mod resampling;
 #[cfg(feature = "speech")]
 pub mod speech;
+#[cfg(feature = "flat")]
+mod texture_atlas;
 mod work;
 
 pub use camera_path::read_camera_path;
@@ -135,6 +137,8 @@ pub use prepare::{
     PreparedPart, check_prepared, prepare,
 };
 pub use resampling::{ClipResampling, clip_resampling};
+#[cfg(feature = "flat")]
+pub use texture_atlas::TextureAtlas;
 pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_build as build;

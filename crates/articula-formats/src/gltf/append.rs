@@ -156,6 +156,12 @@ pub(super) fn push(owner: &mut Value, key: &str, entry: Value) -> usize {
     list.len() - 1
 }
 
+/// The entries of an array of a value; none if there is no such array.
+pub(super) fn entries<'a>(owner: &'a Value, key: &str) -> &'a [Value] {
+    let list = owner.get(key).and_then(Value::as_array);
+    list.map_or(&[], Vec::as_slice)
+}
+
 /// Returns the entries of an array member for in-place changes; empty if it is not an array.
 pub(super) fn entries_mut<'a>(owner: &'a mut Value, key: &str) -> &'a mut [Value] {
     owner

@@ -23,7 +23,7 @@
 //! - `joints`, `renumbered_skin`: joints that are inserted and removed
 //! - `fresh`, `geometry`: a new document from a character
 //! - `exchange`, `plain_textures`: a document without geometry and pictures, and with others
-//! - `picture_materials`: the materials that show each picture
+//! - `picture_materials`: the materials that show each picture; `merged_pictures`: one for several materials
 //! - `morph_targets`, `kept_morphs`: morph targets that are added and left out
 //! - `unused_attributes`: what no material uses
 //! - `vertex_order`: triangles and vertices in an order that caches like
@@ -61,6 +61,7 @@ mod kinds;
 mod lod;
 mod material;
 mod matrices;
+mod merged_pictures;
 mod mesh;
 mod morph_targets;
 mod node;
@@ -101,6 +102,7 @@ pub use face::{StoredFace, StoredPoint};
 pub use joints::{NewJoint, OldJoint};
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use kinds::BytesByKind;
+pub use merged_pictures::ShownPictures;
 pub use plain_textures::PictureUse;
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
 pub use vrm::PassThrough;

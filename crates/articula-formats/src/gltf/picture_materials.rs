@@ -1,6 +1,6 @@
 //! The materials that show each picture at the texture coordinates that a character has.
 
-use super::append::{entries_mut, index};
+use super::append::{entries, index};
 use super::document::Document;
 use super::plain_textures::{coordinates, is_reference};
 use super::texture_source::sources;
@@ -14,24 +14,23 @@ impl Document {
     /// colour, which are those of a part of a character. `None` of all others, of pictures that no material
     /// uses, and of all pictures if the materials of a primitive vary.
     pub fn picture_materials(&self) -> Vec<Option<BTreeSet<usize>>> {
-        let mut json = self.json.clone();
-        let mut meshes = entries_mut(&mut json, "meshes").iter_mut();
+        let mut meshes = entries(&self.json, "meshes").iter();
         let varies = meshes.any(|mesh| {
-            let mut primitives = entries_mut(mesh, "primitives").iter();
+            let mut primitives = entries(mesh, "primitives").iter();
             primitives.any(|p| {
                 p.get("extensions")
                     .is_some_and(|e| e.get(VARIANTS).is_some())
             })
         });
         let mut found = Found {
-            textures: entries_mut(&mut json, "textures")
+            textures: entries(&self.json, "textures")
                 .iter()
                 .map(|texture| sources(texture).collect())
                 .collect(),
             materials: vec![BTreeSet::new(); self.count("images")],
             moved: BTreeSet::new(),
         };
-        for (m, material) in entries_mut(&mut json, "materials").iter().enumerate() {
+        for (m, material) in entries(&self.json, "materials").iter().enumerate() {
             let base = material.pointer("/pbrMetallicRoughness/baseColorTexture");
             let shown = base.map_or((0, json!({})), coordinates);
             found.add(material, m, &shown);

@@ -284,7 +284,7 @@ fn change_all(owner: Option<&mut Value>, visit: &mut dyn FnMut(usize) -> usize) 
 }
 
 /// Removes entries of a top-level array, and the array if it becomes empty; returns them.
-fn remove(json: &mut Value, key: &str, dropped: &BTreeSet<usize>) -> Vec<Value> {
+pub(super) fn remove(json: &mut Value, key: &str, dropped: &BTreeSet<usize>) -> Vec<Value> {
     let Some(Value::Array(list)) = json.get_mut(key).map(Value::take) else {
         return Vec::new();
     };
@@ -302,7 +302,7 @@ fn remove(json: &mut Value, key: &str, dropped: &BTreeSet<usize>) -> Vec<Value> 
     values(gone)
 }
 
-fn renumbered(dropped: &BTreeSet<usize>) -> impl Fn(usize) -> usize + use<> {
+pub(super) fn renumbered(dropped: &BTreeSet<usize>) -> impl Fn(usize) -> usize + use<> {
     let dropped: Vec<usize> = dropped.iter().copied().collect();
     move |i| i - dropped.partition_point(|&d| d < i)
 }

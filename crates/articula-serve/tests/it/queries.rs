@@ -62,20 +62,23 @@ fn refused(answer: &Answer, status: u16) -> String {
 
 #[test]
 fn a_character_is_one_glb_of_what_a_query_asks_for() {
-    let (Some(man), Some(head)) = (
+    let (Some(man), Some(head), Some(robot)) = (
         real::bytes("glb/CesiumMan.glb"),
         real::bytes("glb/ict_head_talk_554.glb"),
+        real::bytes("vrm/debug_robot.vrm"),
     ) else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("man.glb"), man).unwrap();
     std::fs::write(folder.path().join("head.glb"), head).unwrap();
+    std::fs::write(folder.path().join("robot.vrm"), robot).unwrap();
     let mut options = options();
     options.package.mesh_levels = 3;
     let server = Server::start(folder.path(), &options);
     let manifest = ready(&server, "man");
     ready(&server, "head");
+    ready(&server, "robot");
     let mut made = Files(&server, Vec::new());
 
     // Two clients that ask at the same time get one file, which is made once.
@@ -97,6 +100,7 @@ fn a_character_is_one_glb_of_what_a_query_asks_for() {
     let whole = opened(&whole.body);
     levels_and_motions(&mut made, &manifest, &whole);
     morph_targets(&mut made);
+    texture_atlas(&mut made);
     valid(&made.1);
 
     cut(&server, &manifest);
@@ -217,6 +221,17 @@ fn morph_targets(made: &mut Files<'_>) {
     );
 }
 
+fn texture_atlas(made: &mut Files<'_>) {
+    let plain = made.get("robot.glb?textureAtlas=none");
+    let merged = made.get("robot.glb?textureAtlas=256");
+    let materials = |file: &CharacterFile| file.character().materials.len();
+    let images = |file: &CharacterFile| file.character().images.len();
+    assert_eq!(materials(&merged), materials(&plain));
+    assert!(images(&plain) == 3 && images(&merged) < 3);
+    let name = |image: &Image| image.name == "atlas";
+    assert!(merged.character().images.iter().any(name));
+}
+
 /// Compares a cut with what `adapt` makes of the item, whose files a client has.
 fn cut(server: &Server, manifest: &Manifest) {
     let object = |hash: &str| server.get(&format!("/v1/o/{hash}"), &[]).body;
@@ -269,11 +284,15 @@ fn wrong(server: &Server, coarsest: u32) {
     for (query, told) in [
         (
             "size=3",
-            "clip, loa, lod, mesh, morphTargets, quality, textureChannels, textureSizeLimit",
+            "clip, loa, lod, mesh, morphTargets, quality, textureAtlas, textureChannels, textureSizeLimit",
         ),
         ("lod=1&lod=1", "lod: given twice"),
         ("lod=3", "lod: found 3, expected a whole number from 0 to 2"),
         ("textureSizeLimit=128", "from 256 to 1024"),
+        (
+            "textureAtlas=one",
+            "textureAtlas: found one, expected none or a whole number from 64 to 4096",
+        ),
         ("quality=best", "high, medium, low"),
         ("loa=6", "loa: found 6, expected a whole number from 0 to 5"),
         ("mesh=9", &mesh),

@@ -50,5 +50,6 @@ mod simplified;
 mod speech;
 mod staged_items;
 mod streams;
+mod texture_atlas;
 mod travelling_items;
 mod zero_poses;
