@@ -20,8 +20,6 @@ pub(super) enum Making {
     Flags(&'static [&'static str]),
     /// On one core with another program of the same priority.
     Shared,
-    /// In a share of the time of the processor, in percent.
-    Quota(&'static str),
     /// The program of the development profile.
     Development,
     /// The program for AArch64 under emulation.
@@ -38,14 +36,13 @@ pub(super) struct Device {
 }
 
 /// The devices. Instruction sets matter to crowds alone.
-pub(super) const DEVICES: [Device; 10] = [
+pub(super) const DEVICES: [Device; 9] = [
     device("AVX-512", Making::Flags(&["--backend", "avx512"])),
     device("AVX2", Making::Flags(&["--backend", "avx2"])),
     device("SSE2", Making::Flags(&["--backend", "sse2"])),
     device("scalar", Making::Flags(&["--backend", "scalar"])),
     device("two threads", Making::Flags(&["--threads", "2"])),
     device("shared core", Making::Shared),
-    device("quarter of the time", Making::Quota("25")),
     device("development build", Making::Development),
     device("emulated AArch64", Making::Emulated),
     device("WebAssembly in node", Making::Node),
@@ -174,13 +171,6 @@ impl Programs {
                 SHARED.into(),
                 built("release")?,
             ],
-            // It stops the program and lets it go on, which needs no rights.
-            Making::Quota(percent) => {
-                let words = ["cpulimit", "-q", "-f", "-l", percent, "--"];
-                let mut words: Vec<String> = words.map(str::to_owned).into();
-                words.push(built("release")?);
-                words
-            }
             Making::Development => vec![built("debug")?],
             Making::Emulated => {
                 let program = built("aarch64-unknown-linux-gnu/release")?;

@@ -20,9 +20,10 @@ cargo xtask web
 
 The measurement of the thesis' table 6.5 and figure 6.8: frame rates of tests and of applications on unlike devices, and how well the
 tests predict an application. Here all devices are made of one machine: the instruction set by which crowds are posed, two
-threads for crowds, a core that is shared with another busy program of the same priority, a quarter of the processor's time
-(cpulimit), the program of the development profile, the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
-another, and the module for web pages in node. The thesis has six machines.
+threads for crowds, a core that is shared with another busy program of the same priority, the program of the
+development profile, the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
+another, and the module for web pages in node. The thesis has six machines; a quota of processor time (`cpulimit`)
+is none here, since frames fall between its pauses and their median stays as it is.
 
 *Tests* are grades of the mannequin ([method](../methods/adaptation.md#8-a-device-that-is-benchmarked)), *applications*
 play other characters. Frames per second, each the median of 6 to 15 runs of `articula bench device --grades`.
