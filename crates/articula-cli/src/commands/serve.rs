@@ -20,8 +20,11 @@ const ADDRESS: ([u8; 4], u16) = ([127, 0, 0, 1], 8080);
 #[derive(Debug, Args)]
 pub(crate) struct ServeArgs {
     /// Folder of characters (.glb, .vrm, .fbx, items); what is made of them goes to .articula in it
-    #[arg(value_name = "DIR")]
-    folder: PathBuf,
+    #[arg(value_name = "DIR", required_unless_present = "store")]
+    folder: Option<PathBuf>,
+    /// The same by a flag
+    #[arg(long, value_name = "DIR", conflicts_with = "folder")]
+    store: Option<PathBuf>,
     /// Address and port to listen on; port 0 chooses one
     #[arg(long, value_name = "ADDR", default_value_t = SocketAddr::from(ADDRESS))]
     addr: SocketAddr,
@@ -49,7 +52,8 @@ impl ServeArgs {
     /// A folder with all else as by default.
     pub(crate) fn of_folder(folder: PathBuf) -> Self {
         Self {
-            folder,
+            folder: Some(folder),
+            store: None,
             addr: SocketAddr::from(ADDRESS),
             read_only: false,
             throttle_kbps: None,
@@ -109,11 +113,11 @@ struct Listening {
 
 /// Serves until the program is interrupted; connections that are open then end first.
 pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
-    if !args.folder.is_dir() {
-        let what = format!(
-            "{}: there is no such folder; make it",
-            files::shown(&args.folder)
-        );
+    // One of the two is there.
+    let folder = args.folder.as_ref().or(args.store.as_ref());
+    let folder = folder.context("no folder")?;
+    if !folder.is_dir() {
+        let what = format!("{}: there is no such folder; make it", files::shown(folder));
         return Err(fault::usage(what));
     }
     let is_local = args.addr.ip().is_loopback();
@@ -145,7 +149,7 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
         watcher: args.log.watcher(),
         ..of_all
     };
-    let catalogue = Catalogue::open(&args.folder, &options)?;
+    let catalogue = Catalogue::open(folder, &options)?;
     let runtime = tokio::runtime::Runtime::new().context("threads of the server")?;
     let listening = || {
         format!(
@@ -161,7 +165,7 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
         let is_ready = |state: &articula_serve::CharacterState| state.progress == Progress::Ready;
         let told = Listening {
             url: format!("http://{}/", listener.local_addr()?),
-            folder: files::shown(&args.folder),
+            folder: files::shown(folder),
             characters: states.len(),
             ready: states.iter().filter(|(_, state)| is_ready(state)).count(),
         };

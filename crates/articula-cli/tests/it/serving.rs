@@ -109,7 +109,9 @@ fn addresses_that_others_reach_and_missing_folders_are_refused() {
     let why = fault(&folder, 2, &["serve", "nowhere"]);
     assert!(why.contains("nowhere"), "{why}");
     let (server, address) = started(&folder, &[]);
-    let why = fault(&folder, 1, &["serve", path, "--addr", &address]);
+    let same = fault(&folder, 2, &["serve", "--store", "nowhere"]);
+    assert_eq!(same, why);
+    let why = fault(&folder, 1, &["serve", "--store", path, "--addr", &address]);
     assert!(why.contains("another port"), "{why}");
     drop(server);
 }
