@@ -52,7 +52,7 @@ Chores:
   mutants  Count the changes of the code that no test notices (docs/results/mutants.md)
   web      Build the modules for web pages into web/packages/core/wasm and print their sizes
   bench-web  Time crowds in Chromium beside what else shows many characters in three.js
-  pictures Rebuild the animated picture of the readme (docs/pictures/walk.svg)
+  pictures Rebuild the moving pictures of the readme and that of the reference human (docs/pictures); records the studio where Node and Chromium are
 
 Options:
   -h, --help   Print this

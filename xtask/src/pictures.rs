@@ -1,8 +1,10 @@
-//! `cargo xtask pictures`: makes the moving picture of the readme from the repository's own assets, and the
+//! `cargo xtask pictures`: makes the moving pictures of the readme from the repository's own assets, and the
 //! picture of the reference human.
 
+use crate::outcome::Outcome;
 use crate::processes::run;
 use crate::workspace::cargo;
+use crate::{studio, web_pages};
 use anyhow::{Context, Result};
 use std::path::Path;
 
@@ -17,6 +19,7 @@ pub(crate) fn pictures() -> Result<()> {
     std::fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     walk(&folder)?;
     talk(&folder)?;
+    page()?;
     std::fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())
 }
 
@@ -40,6 +43,17 @@ fn talk(folder: &Path) -> Result<()> {
     articula(&[
         "inspect", &human, "--clip", "talk", "--write", &sheet, "--force",
     ])
+}
+
+/// Records the studio, where Node and Chromium are.
+fn page() -> Result<()> {
+    for done in [studio::build, web_pages::record] {
+        if let Outcome::Skipped(why) = done()? {
+            println!("the studio is not recorded: {why}");
+            break;
+        }
+    }
+    Ok(())
 }
 
 fn articula(words: &[&str]) -> Result<()> {

@@ -28,6 +28,15 @@ pub(crate) fn embed() -> Result<()> {
     Ok(())
 }
 
+/// Records the moving picture of the studio, whose pages are built; needs Chromium.
+pub(crate) fn record() -> Result<Outcome> {
+    if let missing @ Outcome::Skipped(_) = browser()? {
+        return Ok(missing);
+    }
+    npm(&["run", "record", "--workspace", STUDIO])?;
+    Ok(Outcome::Done)
+}
+
 fn npm(words: &[&str]) -> Result<()> {
     let mut npm = Command::new("npm");
     run(npm
