@@ -1,5 +1,5 @@
-// Makes the character that the page begins with: the mannequin of the library, prepared, whose scores can be compared. It is made again when
-// the program is newer than the file.
+// Makes the characters of the page: the reference human, prepared, with which it begins, and the mannequin, whose scores of the benchmark can
+// be compared. They are made again when the program is newer than the files.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, rmSync, statSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -7,23 +7,26 @@ import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const ROOT = fileURLToPath(new URL('../../../', import.meta.url));
-const OUT = fileURLToPath(new URL('../public/human.glb', import.meta.url));
+const [PUBLIC, HUMAN, MANNEQUIN] = ['', 'human.glb', 'mannequin.glb'].map((name) => fileURLToPath(new URL(`../public/${name}`, import.meta.url)));
 
 const given = process.env.ARTICULA;
 const programs = given === undefined ? ['release', 'debug'].map((kind) => join(ROOT, 'target', kind, 'articula')) : [given];
 const program = programs.find((path) => existsSync(path));
+const isHere = [HUMAN, MANNEQUIN].every((path) => existsSync(path));
+const quiet = { stdio: ['ignore', 'ignore', 'inherit'] };
 if (program === undefined) {
-  if (!existsSync(OUT)) {
+  if (!isHere) {
     console.error(`studio: no program at ${programs.join(' or ')}; run cargo build --release -p articula-cli, or name it in ARTICULA`);
     process.exit(1);
   }
-} else if (!existsSync(OUT) || statSync(OUT).mtimeMs < statSync(program).mtimeMs) {
+} else if (!isHere || statSync(HUMAN).mtimeMs < statSync(program).mtimeMs) {
   const folder = mkdtempSync(join(tmpdir(), 'articula-studio-'));
   try {
     const human = join(folder, 'human.glb');
-    mkdirSync(fileURLToPath(new URL('../public', import.meta.url)), { recursive: true });
-    execFileSync(program, ['human', '--quiet', '--mannequin', '--triangles', '12000', human], { stdio: ['ignore', 'ignore', 'inherit'] });
-    execFileSync(program, ['build', '--quiet', '--force', '--levels', '4', human, OUT], { stdio: ['ignore', 'ignore', 'inherit'] });
+    mkdirSync(PUBLIC, { recursive: true });
+    execFileSync(program, ['human', '--quiet', '--force', '--mannequin', '--triangles', '12000', MANNEQUIN], quiet);
+    execFileSync(program, ['human', '--quiet', '--triangles', '6000', human], quiet);
+    execFileSync(program, ['build', '--quiet', '--force', '--levels', '4', human, HUMAN], quiet);
   } finally {
     rmSync(folder, { recursive: true });
   }
