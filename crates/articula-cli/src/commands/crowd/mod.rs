@@ -74,11 +74,11 @@ pub(crate) struct CrowdArgs {
     /// scene file
     #[arg(long, value_name = "NAME|F.json", default_value = "plaza")]
     scene: String,
-    /// Processor time per frame in milliseconds; levels are chosen for the least visible error
-    /// within it
+    /// Processor time per frame in milliseconds; where it does not suffice, triangles are given up, then
+    /// the error of far characters
     #[arg(long, value_name = "MS", value_parser = positive)]
     budget_ms: Option<f32>,
-    /// Maximum visible error in pixels; with a budget, errors above it are reduced first
+    /// Maximum visible error in pixels; with a budget, as long as the time suffices
     #[arg(long, value_name = "PX", default_value = "1", value_parser = not_negative)]
     epsilon_px: f32,
     /// Number of threads
