@@ -299,6 +299,8 @@ impl Crowd {
             }
         });
         if let Some(budget) = &mut self.budget {
+            // A frame whose time was never told is forgotten.
+            budget.observe(0.0, 0.0);
             self.player.add_to(budget);
         }
         self.player.evaluate();
