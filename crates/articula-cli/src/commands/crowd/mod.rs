@@ -4,7 +4,6 @@ mod cast;
 mod importance;
 mod outputs;
 mod report;
-mod spacing;
 
 use crate::arguments::{field_of_view, not_negative, positive, size};
 use crate::console::Console;
@@ -20,7 +19,7 @@ use articula::crowd::{
     SceneMeasurement, SceneOptions, measure_scene,
 };
 use articula::flat::impostor::{ImpostorBound, ImpostorOptions};
-use articula_report::FRAME_CLOCKS;
+use articula_report::{FRAME_CLOCKS, crowd_for_sizes};
 use cast::{CastArgs, CastAsset, NamedScene};
 use clap::{Args, ValueEnum};
 use importance::ImportanceArgs;
@@ -344,7 +343,7 @@ impl CrowdArgs {
                 let count = self.count.unwrap_or(PLAZA_COUNT);
                 let clips: Vec<usize> = cast.iter().map(|c| c.asset.clips().len()).collect();
                 let scene = plaza(count, &clips, self.seed, self.plaza().unwrap_or_default());
-                spacing::for_sizes(scene, cast.iter().map(|c| &*c.asset.full().mesh))
+                crowd_for_sizes(scene, cast.iter().map(|c| &*c.asset.full().mesh))
             }
         };
         self.apply_views(&mut scene)?;
