@@ -61,6 +61,7 @@
 //!
 //! Units are metres, seconds and radians; +Y is up and a character faces +Z.
 
+mod allowance;
 pub mod arkit_table;
 pub mod batch;
 pub mod crowd;

@@ -62,6 +62,8 @@ enum Table {
     LoaCost,
     /// Cost of a crowd beside the floor and other evaluators (docs/methods/runtime.md).
     Crowd,
+    /// What a crowd of anybody costs: preparation, the whole frame and budgets, character by character.
+    CrowdCharacters,
     /// Impostors and far levels beside near levels, at equal error.
     Impostors(impostors::Sheet),
     /// Error of a crowd at one pixel, for every character of the data.
@@ -131,6 +133,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::ThesisGrid => tables::thesis_grid::write(run),
         Table::LoaCost => tables::loa_cost::write(run),
         Table::Crowd => tables::crowd::write(run),
+        Table::CrowdCharacters => tables::crowd_characters::write(run),
         Table::CrowdErrors => tables::crowd_errors::write(run),
         Table::CrowdScene(choice) => crowd_scene::write(run, choice),
         Table::Impostors(sheets) => impostors::write(run, sheets),

@@ -43,6 +43,7 @@ macro_rules! tables {
 tables! {
     adaptation: "adaptation" writes "adaptation.md";
     crowd: "crowd" writes "crowd.md";
+    crowd_characters: "crowd-characters" writes "crowd-characters.md";
     crowd_errors: "crowd-errors" writes "crowd-errors.md";
     round_trips: "round-trips" writes "round-trips.md";
     loa_cost: "loa-cost" writes "loa-cost.md";

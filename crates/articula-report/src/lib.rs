@@ -11,6 +11,7 @@
 //! - [`facet_sheet`]: a mesh at several choices of levels, every triangle visible
 //! - [`scene_picture`]: renders the crowds of a scene, in their colours and by level; [`crowd_plots`]: their time and
 //!   error
+//! - [`crowd_for_sizes`]: the built-in scenes for figures that are larger than a person
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
 //!   next to the original clip
 //! - [`lines_by_distance`], [`lines_by_method`]: the lines of such a sheet; [`gain_plot`], [`error_plot`],
@@ -43,6 +44,7 @@ mod clocks;
 mod contact_sheet;
 mod crowd;
 mod crowd_plots;
+mod crowd_spacing;
 pub mod demo;
 mod face_pictures;
 mod face_sheet;
@@ -62,6 +64,7 @@ pub use artist::{Artist, close_up, evenly_spaced_frames};
 pub use clocks::{FRAME_CLOCKS, nanoseconds, thread_ns};
 pub use contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 pub use crowd_plots::crowd_plots;
+pub use crowd_spacing::crowd_for_sizes;
 pub use face_pictures::{clip_sheet, morph_target_sheet};
 pub use face_sheet::{FaceMark, face_sheet};
 pub use facet_sheet::{FacetRow, UsedAt, facet_sheet};

@@ -205,8 +205,8 @@ impl Crowd {
         self.player.detail = Detail::Level(level);
     }
 
-    /// Chooses the tolerance by a time for each frame in milliseconds, from what `observe` is told; it begins at one
-    /// pixel.
+    /// Chooses the tolerance by a time for each frame in milliseconds, from what `observe` is told: one pixel where
+    /// that fits, else what does, but no more than two for near characters.
     #[wasm_bindgen(js_name = setBudget)]
     pub fn set_budget(&mut self, ms: f64) {
         let budget = Budget::new(1e6 * ms, 1.0);
@@ -230,6 +230,7 @@ impl Crowd {
     pub fn tolerance_px(&self) -> f32 {
         match self.player.detail {
             Detail::Tolerance { px } => px,
+            Detail::Within(allowance) => allowance.px,
             Detail::Full | Detail::Level(_) => 0.0,
         }
     }
@@ -298,6 +299,8 @@ impl Crowd {
             }
         });
         if let Some(budget) = &mut self.budget {
+            // A frame whose time was never told is forgotten.
+            budget.observe(0.0, 0.0);
             self.player.add_to(budget);
         }
         self.player.evaluate();

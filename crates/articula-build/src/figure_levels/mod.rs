@@ -9,6 +9,7 @@
 //! Source: thesis 5.1 (levels for bodies of several resolutions), `docs/methods/clustered-mesh.md`,
 //! `docs/methods/motion-lod.md` part 8.
 
+mod bounds;
 mod chain;
 mod measure;
 
@@ -107,8 +108,11 @@ pub fn figure_levels(
         })
         .collect();
     let scene = LevelMeasurement::new(asset, &every, &parts, bindings, &points);
+    let (drawn, points) = drawn(&every, &points);
+    let of_drawn = LevelMeasurement::new(asset, &drawn, &parts, bindings, &points);
     let shown: Vec<DisplayedLevel> = chosen.iter().map(DisplayedLevel::of).collect();
-    let errors = table(merged, &scene.measure(&shown, MAX_FRAMES));
+    let tallies = scene.measure_with_worst(&of_drawn, &shown, MAX_FRAMES);
+    let errors = table(merged, &tallies);
     let of_levels = chosen.iter().map(|c| skins[c.skin].skin.clone()).collect();
     let levels: Vec<FigureLevel> = chosen.iter().map(|c| c.level).collect();
     errors.check(asset.clips.len(), levels.len())?;
@@ -116,6 +120,18 @@ pub fn figure_levels(
         merged: stacked(asset, merged, &levels, of_levels, errors)?,
         levels,
     })
+}
+
+/// The vertices of the uniform random sample, and the points of each level at these.
+fn drawn(watched: &Watched, points: &[Vec<SkinPoint>]) -> (Watched, Vec<Vec<SkinPoint>>) {
+    let at = |level: &Vec<SkinPoint>| {
+        let all = level.iter().zip(&watched.drawn);
+        all.filter(|(_, drawn)| **drawn).map(|(p, _)| *p).collect()
+    };
+    (
+        watched.only_drawn_or(|_| false),
+        points.iter().map(at).collect(),
+    )
 }
 
 /// Combines known levels, such as those that an asset stores, with the skins of their joint LODs.

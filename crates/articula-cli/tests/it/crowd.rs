@@ -207,10 +207,16 @@ fn a_budget_is_reported() {
     let budget = &rich["budget"];
     assert!(number(&budget["expected_ms"]) <= 500.0);
     assert_eq!(budget["overloaded"], 0);
-    assert!(number(&budget["tolerance_px"]["median"]) < 1.0);
+    assert_eq!(budget["tolerance_px"]["median"], 1.0);
+    assert_eq!(budget["budget_satisfied"], true);
+    assert_eq!(budget["sacrificed"]["pixels"], 0);
     // Nothing is affordable: what would fit is told, and every frame is above the cap.
     assert_eq!(poor["budget"]["overloaded"], poor["frames"]);
     assert!(number(&poor["budget"]["worst_px"]) > 1.0);
+    assert_eq!(poor["budget"]["budget_satisfied"], false);
+    assert_eq!(poor["budget"]["sacrificed"]["time"], poor["frames"]);
+    assert!(number(&poor["budget"]["floor_ms"]) > 0.0);
+    assert!(number(&poor["budget"]["near_px"]) <= 2.0);
     assert!(number(&poor["overrun_p95"]) > 0.0);
     let wrong = articula(
         &folder("crowd-budget-full"),

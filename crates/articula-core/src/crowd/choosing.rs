@@ -1,7 +1,7 @@
 //! Choice of the level and the source of one character's pose.
 
 use super::character_state::CharacterState;
-use super::frame::{CrowdEvent, Detail, Frame};
+use super::frame::{CrowdEvent, Frame};
 use super::keys::Key;
 use super::mode::Choosing;
 use super::model::CrowdModel;
@@ -88,14 +88,15 @@ impl CrowdSection {
         character: usize,
         pixels_per_metre: f32,
     ) -> f32 {
-        let Detail::Tolerance { px } = frame.detail else {
+        let Some(allowance) = frame.detail.allowance() else {
             return 0.0;
         };
         if self.mode.keeps && self.mode.is_culled {
             let metres_per_px = self.sight.metres_per_px[character / LANES].0[character % LANES];
-            return metres_per_px * px * self.weights.of(character);
+            return allowance.metres(metres_per_px) * self.weights.of(character);
         }
         let importance = frame.importance.get(character).copied().unwrap_or(1.0);
+        let px = allowance.px_at(1.0 / self.pixels_per_metre(character));
         px * attention(model, &self.clocks.state(character), importance) / pixels_per_metre
     }
 
@@ -103,7 +104,8 @@ impl CrowdSection {
     #[inline]
     fn option(&mut self, model: &CrowdModel, character: usize, tolerance_metres: f32) -> Choice {
         let clip = self.clocks.from(character).clip();
-        let options = model.options(self.mode.cache).of(clip);
+        let options = model.options(self.mode.cache, self.mode.by_processor);
+        let options = options.of(clip);
         let shown = Some(usize::from(self.options[character])).filter(|o| *o < options.len());
         // A level is kept over a change of the clip.
         let shown = shown.or_else(|| {

@@ -14,42 +14,49 @@ const BINS: usize = 96;
 const PER_OCTAVE_BITS: u32 = 2;
 const FIRST_PX: f32 = 1.0 / 256.0;
 
+/// Kinds of work, each with a price of its own: poses that are evaluated, blended from the cache, and drawn as
+/// they are cached.
+pub(crate) const KINDS: usize = 3;
+
+/// Nominal nanoseconds of each kind of work.
+pub(crate) type Costs = [f64; KINDS];
+
 /// Sum of the costs of characters by tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Demand {
     /// Nanoseconds with the cheapest option of each character.
-    least_ns: f64,
-    /// Nanoseconds that each tolerance saves against the one before.
-    savings_ns: [f32; BINS],
+    least_ns: Costs,
+    /// Nanoseconds that each tolerance saves against the one before, of each kind of work.
+    savings_ns: [[f32; KINDS]; BINS],
 }
 
 impl Demand {
     pub(crate) const NONE: Self = Self {
-        least_ns: 0.0,
-        savings_ns: [0.0; BINS],
+        least_ns: [0.0; KINDS],
+        savings_ns: [[0.0; KINDS]; BINS],
     };
 
-    /// Adds the demand of others.
-    pub(crate) fn add(&mut self, other: &Self) {
-        self.least_ns += other.least_ns;
-        for (sum, one) in self.savings_ns.iter_mut().zip(&other.savings_ns) {
-            *sum += one;
-        }
-    }
-
     /// Adds a character that `px_per_metre` pixels of tolerance make a metre for, with its options,
-    /// finest first. One that draws less may cost more: a saving below 0.
+    /// finest first, none of which is off by more than `most_px` but the first. One that draws less may cost
+    /// more: a saving below 0.
     #[inline]
-    pub(crate) fn see(&mut self, options: &[DetailOption], px_per_metre: f32) {
+    pub(crate) fn see(&mut self, options: &[DetailOption], px_per_metre: f32, most_px: f32) {
         let mut finer: Option<&DetailOption> = None;
         for option in options {
+            let error_px = option.error_metres * px_per_metre;
             if let Some(finer) = finer {
-                let bin = bin_of(option.error_metres * px_per_metre);
-                self.savings_ns[bin] += finer.cost_ns - option.cost_ns;
+                if error_px > most_px {
+                    break;
+                }
+                let savings = &mut self.savings_ns[bin_of(error_px)];
+                savings[finer.source.kind()] += finer.cost_ns;
+                savings[option.source.kind()] -= option.cost_ns;
             }
             finer = Some(option);
         }
-        self.least_ns += f64::from(finer.map_or(0.0, |last| last.cost_ns));
+        if let Some(last) = finer {
+            self.least_ns[last.source.kind()] += f64::from(last.cost_ns);
+        }
     }
 
     /// Adds a character that fades.
@@ -58,6 +65,7 @@ impl Demand {
         model: &CrowdModel,
         state: &CharacterState,
         px_per_metre: f32,
+        most_px: f32,
     ) {
         let (from, to) = state.clips();
         let (source, poses) = match state.fade == 0.0 {
@@ -66,13 +74,58 @@ impl Demand {
         };
         let parts = model.parts();
         let cost = |level| source.cost_ns(parts, level) + poses * morphs_ns(parts, level, 0);
-        let coarsest = model.levels() - 1;
-        for level in 1..=coarsest {
-            let bin = bin_of(model.error_metres(from, to, level) * px_per_metre);
-            self.savings_ns[bin] += cost(level - 1) - cost(level);
+        let mut least = cost(0);
+        for level in 1..model.levels() {
+            let error_px = model.error_metres(from, to, level) * px_per_metre;
+            if error_px > most_px {
+                break;
+            }
+            let savings = &mut self.savings_ns[bin_of(error_px)];
+            savings[source.kind()] += least - cost(level);
+            least = cost(level);
         }
-        self.least_ns += f64::from(cost(coarsest));
+        self.least_ns[source.kind()] += f64::from(least);
     }
+
+    /// Nominal nanoseconds with the cheapest option of each character, by kind of work.
+    pub(crate) fn least_ns(&self) -> Costs {
+        self.least_ns
+    }
+
+    /// Nominal nanoseconds at a tolerance, by kind of work.
+    pub(crate) fn cost_ns(&self, px: f32) -> Costs {
+        let bin = bin_of(px);
+        let [low, high] = [px_of(bin), px_of(bin + 1)];
+        // Within a bin the thresholds are taken to be spread evenly.
+        let part = ((high - px) / (high - low)).clamp(0.0, 1.0);
+        std::array::from_fn(|kind| {
+            let coarser: f32 = self.savings_ns[bin + 1..].iter().map(|s| s[kind]).sum();
+            self.least_ns[kind] + f64::from(coarser + part * self.savings_ns[bin][kind])
+        })
+    }
+
+    /// Adds the nanoseconds by tolerance at the prices of the kinds of work to a table.
+    pub(crate) fn add_priced(&self, prices: &Costs, table: &mut PricedDemand) {
+        let priced = |costs: Costs| -> f64 { costs.iter().zip(prices).map(|(c, p)| c * p).sum() };
+        table.least_ns += priced(self.least_ns);
+        for (sum, savings) in table.savings_ns.iter_mut().zip(&self.savings_ns) {
+            *sum += priced(savings.map(f64::from));
+        }
+    }
+}
+
+/// Expected time of several crowds by tolerance.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PricedDemand {
+    least_ns: f64,
+    savings_ns: [f64; BINS],
+}
+
+impl PricedDemand {
+    pub(crate) const NONE: Self = Self {
+        least_ns: 0.0,
+        savings_ns: [0.0; BINS],
+    };
 
     /// Nanoseconds with the cheapest option of each character.
     pub(crate) fn least_ns(&self) -> f64 {
@@ -82,11 +135,10 @@ impl Demand {
     /// Nanoseconds at a tolerance.
     pub(crate) fn cost_ns(&self, px: f32) -> f64 {
         let bin = bin_of(px);
-        let coarser: f32 = self.savings_ns[bin + 1..].iter().sum();
         let [low, high] = [px_of(bin), px_of(bin + 1)];
-        // Within a bin the thresholds are taken to be spread evenly.
-        let part = ((high - px) / (high - low)).clamp(0.0, 1.0);
-        self.least_ns + f64::from(coarser + part * self.savings_ns[bin])
+        let part = f64::from(((high - px) / (high - low)).clamp(0.0, 1.0));
+        let coarser: f64 = self.savings_ns[bin + 1..].iter().sum();
+        self.least_ns + coarser + part * self.savings_ns[bin]
     }
 
     /// The least tolerance in pixels, not below `least_px`, whose cost is at most `budget_ns`, or
@@ -94,7 +146,7 @@ impl Demand {
     pub(crate) fn px_within(&self, budget_ns: f64, least_px: f32) -> f32 {
         let mut coarser = self.least_ns;
         for bin in (0..BINS).rev() {
-            let savings = f64::from(self.savings_ns[bin]);
+            let savings = self.savings_ns[bin];
             if savings > 0.0 && coarser + savings > budget_ns {
                 let [low, high] = [px_of(bin), px_of(bin + 1)];
                 let left = ((budget_ns - coarser).max(0.0) / savings).min(1.0) as f32;
@@ -140,13 +192,21 @@ mod tests {
         steps.iter().copied().map(option).collect()
     }
 
+    /// The demand of options at the prices of the machine whose nominal costs they have.
+    fn priced(demand: &Demand) -> PricedDemand {
+        let mut priced = PricedDemand::NONE;
+        demand.add_priced(&[1.0; KINDS], &mut priced);
+        priced
+    }
+
     #[test]
     fn a_demand_by_hand() {
         // 1 px and 4 px are where entries of the table begin.
         let steps = options(&[(0.0, 100.0), (0.01, 40.0), (0.04, 10.0)]);
         let mut demand = Demand::NONE;
-        demand.see(&steps, 100.0);
-        demand.see(&steps, 100.0);
+        demand.see(&steps, 100.0, f32::INFINITY);
+        demand.see(&steps, 100.0, f32::INFINITY);
+        let at = priced(&demand);
         for (px, cost) in [
             (0.5, 200.0),
             (1.0, 200.0),
@@ -154,15 +214,38 @@ mod tests {
             (3.0, 80.0),
             (5.0, 20.0),
         ] {
-            assert_eq!(demand.cost_ns(px), cost, "{px} px");
+            assert_eq!(at.cost_ns(px), cost, "{px} px");
+            assert_eq!(demand.cost_ns(px), [cost, 0.0, 0.0], "{px} px");
         }
-        assert_eq!(demand.px_within(200.0, 0.25), 0.25);
-        assert_eq!(demand.px_within(80.0, 0.25), 1.25);
-        assert_eq!(demand.px_within(140.0, 0.25), 1.125);
-        assert_eq!(demand.px_within(20.0, 0.25), 5.0);
-        assert_eq!(demand.px_within(20.0, 9.0), 9.0);
+        assert_eq!(at.px_within(200.0, 0.25), 0.25);
+        assert_eq!(at.px_within(80.0, 0.25), 1.25);
+        assert_eq!(at.px_within(140.0, 0.25), 1.125);
+        assert_eq!(at.px_within(20.0, 0.25), 5.0);
+        assert_eq!(at.px_within(20.0, 9.0), 9.0);
         // Too little for anything: the greatest tolerance that changes anything.
-        assert_eq!(demand.px_within(0.0, 0.25), 5.0);
+        assert_eq!(at.px_within(0.0, 0.25), 5.0);
+    }
+
+    #[test]
+    fn near_characters_save_no_more_than_their_tolerance_allows() {
+        let steps = options(&[(0.0, 100.0), (0.01, 40.0), (0.04, 10.0)]);
+        let mut demand = Demand::NONE;
+        demand.see(&steps, 100.0, 2.0);
+        assert_eq!(priced(&demand).cost_ns(100.0), 40.0);
+        assert_eq!(priced(&demand).least_ns(), 40.0);
+    }
+
+    #[test]
+    fn each_kind_of_work_has_its_price() {
+        let mut steps = options(&[(0.0, 100.0), (0.01, 40.0), (0.04, 10.0)]);
+        (steps[1].source, steps[2].source) = (Source::Cached, Source::Step);
+        let mut demand = Demand::NONE;
+        demand.see(&steps, 100.0, f32::INFINITY);
+        let mut table = PricedDemand::NONE;
+        demand.add_priced(&[2.0, 3.0, 0.5], &mut table);
+        for (px, cost) in [(0.5, 200.0), (1.25, 120.0), (5.0, 5.0)] {
+            assert_eq!(table.cost_ns(px), cost, "{px} px");
+        }
     }
 
     proptest! {
@@ -179,8 +262,9 @@ mod tests {
             let steps: Vec<_> = errors.into_iter().zip(costs).collect();
             let mut demand = Demand::NONE;
             for span in &spans {
-                demand.see(&options(&steps), *span);
+                demand.see(&options(&steps), *span, f32::INFINITY);
             }
+            let demand = priced(&demand);
             let [most, least] = [0.0, f32::MAX].map(|px| demand.cost_ns(px));
             prop_assert!(most >= least);
             let budget = least + share * (most - least);

@@ -2,6 +2,7 @@
 
 use super::character_state::MAX_STEP_SECS;
 use super::workload::Workload;
+use crate::allowance::Allowance;
 use crate::visibility::View;
 use glam::{Quat, Vec3};
 use std::ops::Range;
@@ -99,6 +100,19 @@ pub enum Detail {
         /// Tolerated error in pixels; NaN counts as 0.
         px: f32,
     },
+    /// The same, as a [`Budget`](super::Budget) chooses it.
+    Within(Allowance),
+}
+
+impl Detail {
+    /// What is tolerated, where options are chosen by a tolerance.
+    pub(crate) fn allowance(self) -> Option<Allowance> {
+        match self {
+            Self::Tolerance { px } => Some(Allowance::of(px)),
+            Self::Within(allowance) => Some(allowance),
+            Self::Full | Self::Level(_) => None,
+        }
+    }
 }
 
 /// Event reported by [`Crowd::tick`](super::Crowd::tick).

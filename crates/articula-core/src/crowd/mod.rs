@@ -49,6 +49,7 @@ mod evaluate;
 mod events;
 mod frame;
 mod keys;
+mod learned_cost;
 mod mode;
 mod model;
 mod morph_levels;
@@ -65,8 +66,9 @@ mod tick;
 mod weights;
 mod workload;
 
+pub use crate::allowance::Allowance;
 pub use attachment::attachment;
-pub use budget::{Budget, BudgetReport};
+pub use budget::{Budget, BudgetReport, Sacrifice};
 pub use character_state::{CharacterState, ClipState};
 pub use clip_times::ClipTimes;
 pub use draws::{CachedDraw, Draw, ImpostorDraw};

@@ -4,7 +4,7 @@ use super::clip_times::ClipTimes;
 use super::events::{ClipEvent, sorted};
 use super::frame::CacheUse;
 use super::morphs::MorphClips;
-use super::options::OptionLists;
+use super::options::{CostOf, OptionLists};
 use super::parts::CrowdParts;
 use super::root_path::RootTrajectory;
 use crate::Mismatch;
@@ -22,8 +22,9 @@ pub struct CrowdModel {
     durations: Vec<f32>,
     /// Errors of all clips in one array, `levels` for each clip.
     lod_errors: Vec<f32>,
-    /// Options of the clips without a cache, with one blended on the CPU, and on the GPU.
-    options: [OptionLists; 3],
+    /// Options of the clips without a cache, with one blended on the CPU, and on the GPU; chosen by the cost
+    /// of the frame, and by that of the processor.
+    options: [[OptionLists; 3]; 2],
 }
 
 impl CrowdModel {
@@ -77,7 +78,9 @@ impl CrowdModel {
         let lod_errors: Vec<f32> = errors.flat_map(ClipLodErrors::judged).collect();
         let uses = [CacheUse::Never, CacheUse::Cpu, CacheUse::Gpu];
         Ok(Self {
-            options: uses.map(|cache_use| OptionLists::new(&parts, &lod_errors, cache_use)),
+            options: [CostOf::Frame, CostOf::Processor].map(|cost| {
+                uses.map(|cache_use| OptionLists::new(&parts, &lod_errors, cache_use, cost))
+            }),
             lod_errors,
             durations,
             parts,
@@ -141,8 +144,8 @@ impl CrowdModel {
 
     /// Options of all clips for a use of the cache.
     #[inline]
-    pub(crate) fn options(&self, cache_use: CacheUse) -> &OptionLists {
-        &self.options[cache_use as usize]
+    pub(crate) fn options(&self, cache_use: CacheUse, by_processor: bool) -> &OptionLists {
+        &self.options[usize::from(by_processor)][cache_use as usize]
     }
 
     pub(crate) fn durations(&self) -> &[f32] {

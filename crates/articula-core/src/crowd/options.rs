@@ -19,6 +19,13 @@ const TRIANGLE_NS: f32 = 0.05;
 /// What a level is preferred by before a finer one of equal cost, which differs in the mesh alone.
 const MESH_NS: f32 = 1e-3;
 
+/// What options are chosen by: the time of the processor, alone or with what is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CostOf {
+    Frame,
+    Processor,
+}
+
 /// One way to show a character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DetailOption {
@@ -45,7 +52,12 @@ pub(crate) struct OptionLists {
 
 impl OptionLists {
     /// Lists the options of all clips. `errors` are those of the levels, for each clip as many.
-    pub(crate) fn new(parts: &CrowdParts, errors: &[f32], cache_use: CacheUse) -> Self {
+    pub(crate) fn new(
+        parts: &CrowdParts,
+        errors: &[f32],
+        cache_use: CacheUse,
+        cost: CostOf,
+    ) -> Self {
         let levels = parts.clips.joint_lods().levels();
         let mut lists = Self {
             options: Vec::new(),
@@ -63,7 +75,7 @@ impl OptionLists {
                         morphs: 0,
                         error_metres: errors[level] + added,
                         cost_ns,
-                        frame_ns: cost_ns + drawn_ns(parts, level),
+                        frame_ns: cost_ns + cost.drawn_ns(parts, level),
                     })
                 })
             });
@@ -133,11 +145,16 @@ fn with_morph_levels(
     at_each.collect()
 }
 
-/// What drawing a level counts.
-fn drawn_ns(parts: &CrowdParts, level: usize) -> f32 {
-    let levels = parts.clips.joint_lods().levels();
-    let triangles = parts.triangles.get(level).copied().unwrap_or(0);
-    TRIANGLE_NS * triangles as f32 + MESH_NS * (levels - level) as f32
+impl CostOf {
+    /// What drawing a level counts.
+    fn drawn_ns(self, parts: &CrowdParts, level: usize) -> f32 {
+        let levels = parts.clips.joint_lods().levels();
+        let triangles = match self {
+            Self::Frame => parts.triangles.get(level).copied().unwrap_or(0),
+            Self::Processor => 0,
+        };
+        TRIANGLE_NS * triangles as f32 + MESH_NS * (levels - level) as f32
+    }
 }
 
 /// Nanoseconds of the morph target weights of a level at a morph level.

@@ -14,6 +14,7 @@ use super::morph_levels::MorphLevels;
 use super::places::{ANEW, CELL, CELL_TILES, WorldBounds};
 use super::root_path::RootDelta;
 use super::weights::Weights;
+use crate::allowance::Allowance;
 use crate::simd::{LANES, Tile};
 use crate::sphere::Sphere;
 use crate::visibility::{Bands, BoxSight, Sight, View, look, look_at_box};
@@ -37,16 +38,16 @@ pub(super) struct Step<'a> {
     pub(super) frame: &'a Frame<'a>,
     pub(super) views: &'a [View<'a>],
     pub(super) mode: Mode,
-    /// Tolerance, or 1.
-    pub(super) px: f32,
+    /// Tolerance, or 1 pixel.
+    pub(super) allowance: Allowance,
     pub(super) dt_secs: f32,
     /// Seconds since the first frame.
     pub(super) now_secs: f64,
-    /// Whether mode, use of the cache, views and tolerance are those of the frame before.
+    /// Whether mode, the lists of options, views and tolerance are those of the frame before.
     pub(super) same_mode: bool,
-    pub(super) same_cache: bool,
+    pub(super) same_options: bool,
     pub(super) same_views: bool,
-    pub(super) same_px: bool,
+    pub(super) same_allowance: bool,
 }
 
 /// Sums over the characters of a section.
@@ -268,13 +269,16 @@ impl CrowdSection {
     /// Finds what the views see of the characters of the cells in which that may have changed.
     fn look(&mut self, step: &Step<'_>, frame: &Frame<'_>) {
         let Step {
-            mode, views, px, ..
+            mode,
+            views,
+            allowance,
+            ..
         } = *step;
         self.mode = mode;
         if !step.same_mode {
             self.keep_least.fill(Tile([ANEW[0]; LANES]));
             self.keep_most.fill(Tile([ANEW[1]; LANES]));
-            if !step.same_cache {
+            if !step.same_options {
                 self.options.fill(NO_OPTION);
             }
             self.world.cells.iter_mut().for_each(|c| c.is_fresh = true);
@@ -284,7 +288,7 @@ impl CrowdSection {
         let tiles = self.clocks.tiles();
         for (c, cell) in self.world.cells.iter_mut().enumerate() {
             let may_skip = mode.skips && !cell.is_fresh;
-            if may_skip && step.same_views && (step.same_px || cell.visible == 0) {
+            if may_skip && step.same_views && (step.same_allowance || cell.visible == 0) {
                 continue;
             }
             if may_skip && mode.is_culled {
@@ -294,8 +298,8 @@ impl CrowdSection {
                     BoxSight::Nothing => cell.visible == 0 && cell.in_margin == 0,
                     BoxSight::All([low, high]) => {
                         usize::from(cell.visible) == members
-                            && least <= px * low
-                            && px * high < most
+                            && least <= allowance.metres(low)
+                            && allowance.metres(high) < most
                     }
                     BoxSight::Some => false,
                 };
@@ -303,7 +307,7 @@ impl CrowdSection {
                     cell.is_stale = true;
                     if cell.visible > 0 {
                         // Whoever keeps a level is within the tolerance.
-                        cell.bound_px = px * self.weights.most_multiplier();
+                        cell.bound_px = allowance.px * self.weights.most_multiplier();
                     }
                     continue;
                 }
@@ -313,7 +317,7 @@ impl CrowdSection {
             self.tiles.extend(of_cell.map(|tile| tile as u32));
         }
         let bands = Bands {
-            px,
+            allowance,
             least: &self.keep_least,
             most: &self.keep_most,
         };
@@ -416,22 +420,39 @@ impl CrowdSection {
         cell.bound_px = bound_px;
     }
 
-    /// Adds the cost of the visible characters of a cell by tolerance, with their options of the last
-    /// tick.
-    pub(super) fn add_demand(&self, model: &CrowdModel, cell: usize, sum: &mut Demand) {
+    /// Adds the cost of the visible characters of a cell by tolerance, with their options by the cost of the
+    /// frame and by that of the processor. Near ones are off by at most `near_px`.
+    pub(super) fn add_demand(
+        &self,
+        model: &CrowdModel,
+        cell: usize,
+        near_px: f32,
+        sums: &mut [Demand; 2],
+    ) {
         if self.world.cells[cell].visible == 0 {
             return;
         }
+        let most = Allowance {
+            px: f32::INFINITY,
+            near_px,
+            by_processor: false,
+        };
+        let lists = [false, true].map(|by| model.options(self.mode.cache, by));
         for character in cell * CELL..((cell + 1) * CELL).min(self.len()) {
             if self.keys.get(character) == Key::HIDDEN {
                 continue;
             }
-            let pixels_per_metre = self.pixels_per_metre(character) / self.weights.of(character);
-            if self.clocks.is_fading(character) {
-                sum.see_fading(model, &self.clocks.state(character), pixels_per_metre);
-            } else {
-                let clip = self.clocks.from(character).clip();
-                sum.see(model.options(self.mode.cache).of(clip), pixels_per_metre);
+            let density = self.pixels_per_metre(character);
+            let most_px = most.px_at(1.0 / density);
+            let pixels_per_metre = density / self.weights.of(character);
+            for (sum, list) in sums.iter_mut().zip(lists) {
+                if self.clocks.is_fading(character) {
+                    let state = self.clocks.state(character);
+                    sum.see_fading(model, &state, pixels_per_metre, most_px);
+                } else {
+                    let clip = self.clocks.from(character).clip();
+                    sum.see(list.of(clip), pixels_per_metre, most_px);
+                }
             }
         }
     }

@@ -87,6 +87,16 @@ impl Source {
         }
     }
 
+    /// Kind of work that it is.
+    #[inline]
+    pub(super) fn kind(self) -> usize {
+        match self {
+            Self::Clip | Self::Blend => 0,
+            Self::Cached => 1,
+            Self::Record | Self::Step | Self::Impostor => 2,
+        }
+    }
+
     /// Error in metres that the source adds to that of the level; `None` where the model lacks it.
     pub(super) fn added_metres(self, parts: &CrowdParts, clip: usize, level: usize) -> Option<f32> {
         match self {

@@ -3,7 +3,7 @@
 use super::character_state::{CharacterState, ClipState};
 use super::clocks::Clocks;
 use super::demand::Demand;
-use super::frame::{CrowdEvent, CrowdReport, Culling, Detail, Frame, Moved};
+use super::frame::{CrowdEvent, CrowdReport, Culling, Frame, Moved};
 use super::keys::SectionKeys;
 use super::mode::Mode;
 use super::model::CrowdModel;
@@ -12,18 +12,20 @@ use super::plan::Plan;
 use super::root_path::RootDelta;
 use super::section::{CrowdSection, SECTION, SECTION_CELLS, Step};
 use super::sources::{Source, evaluated};
+use crate::allowance::Allowance;
 use crate::simd::LANES;
 use crate::sphere::Sphere;
 use crate::visibility::{CullResult, View, Visibility, look_at_one};
 
 /// Frames in which the cost by tolerance is found anew.
-const SWEEP_FRAMES: usize = 16;
+const SWEEP_FRAMES: usize = 32;
 
-/// Cost by tolerance, summed up cell by cell.
+/// Cost by tolerance, summed up cell by cell, with the options by the cost of the frame and by that of the
+/// processor.
 #[derive(Debug, Clone)]
 struct Sweep {
-    whole: Demand,
-    part: Demand,
+    whole: [Demand; 2],
+    part: [Demand; 2],
     next_cell: usize,
     is_first: bool,
 }
@@ -31,8 +33,8 @@ struct Sweep {
 impl Sweep {
     fn new() -> Self {
         Self {
-            whole: Demand::NONE,
-            part: Demand::NONE,
+            whole: [Demand::NONE; 2],
+            part: [Demand::NONE; 2],
             next_cell: 0,
             is_first: true,
         }
@@ -50,7 +52,7 @@ pub struct Crowd {
     /// Views, mode and tolerance of the last frame.
     views: Vec<View<'static>>,
     mode: Option<Mode>,
-    px: f32,
+    allowance: Option<Allowance>,
     pub(super) plan: Plan,
     sweep: Sweep,
 }
@@ -67,7 +69,7 @@ impl Crowd {
             now_secs: 0.0,
             views: Vec::with_capacity(8),
             mode: None,
-            px: 0.0,
+            allowance: None,
             plan: Plan::new(characters, levels),
             sweep: Sweep::new(),
         }
@@ -202,10 +204,8 @@ impl Crowd {
             Culling::Views(views) => views,
             Culling::Off => &[],
         };
-        let px = match frame.detail {
-            Detail::Tolerance { px } => px,
-            _ => 1.0,
-        };
+        let allowance = frame.detail.allowance();
+        let allowance = allowance.unwrap_or(Allowance::of(1.0));
         let mode = Mode::of(model, frame);
         let before = self.mode.replace(mode);
         let mut known = self.views.iter().zip(views);
@@ -220,13 +220,13 @@ impl Crowd {
             frame,
             views,
             mode,
-            px,
+            allowance,
             dt_secs,
             now_secs: self.now_secs,
             same_mode: before == Some(mode),
-            same_cache: before.is_some_and(|b| b.cache == mode.cache),
+            same_options: before.is_some_and(|b| b.has_options_of(mode)),
             same_views,
-            same_px: std::mem::replace(&mut self.px, px) == px,
+            same_allowance: self.allowance.replace(allowance) == Some(allowance),
         }
     }
 
@@ -278,9 +278,10 @@ impl Crowd {
         report
     }
 
-    /// Cost of the visible characters by tolerance, with the options of the last tick. A sixteenth of
-    /// the cells are summed up anew in each call, all of them in the first.
-    pub(super) fn demand(&mut self, model: &CrowdModel) -> &Demand {
+    /// Cost of the visible characters by tolerance, with the options by the cost of the frame and by that of
+    /// the processor, where near ones are off by at most `near_px`. A thirty-second of the cells are summed up
+    /// anew in each call, all of them in the first.
+    pub(super) fn demand(&mut self, model: &CrowdModel, near_px: f32) -> &[Demand; 2] {
         let count = self.characters.div_ceil(CELL);
         let Sweep {
             whole,
@@ -295,12 +296,12 @@ impl Crowd {
         };
         for _ in 0..steps {
             let section = &self.sections[*next_cell / SECTION_CELLS];
-            section.add_demand(model, *next_cell % SECTION_CELLS, part);
+            section.add_demand(model, *next_cell % SECTION_CELLS, near_px, part);
             *next_cell += 1;
             if *next_cell >= count {
                 *next_cell = 0;
                 *is_first = false;
-                *whole = std::mem::replace(part, Demand::NONE);
+                *whole = std::mem::replace(part, [Demand::NONE; 2]);
                 break;
             }
         }

@@ -6,6 +6,7 @@
 use super::cull::{CullResult, Visibility};
 use super::density::{MIN_DEPTH_METRES, PixelDensity};
 use super::view::{FARTHEST_METRES, View};
+use crate::allowance::Allowance;
 use crate::simd::{Backend, Kernel, LANES, Lanes, Tile, dispatch};
 use crate::sphere::Sphere;
 use glam::Vec3;
@@ -25,8 +26,8 @@ pub(crate) struct Spheres<'a> {
 /// Tolerances of the bodies, and the range in which each keeps its level.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bands<'a> {
-    /// Tolerance in pixels.
-    pub(crate) px: f32,
+    /// Tolerance in pixels, and that of bodies near enough.
+    pub(crate) allowance: Allowance,
     /// Least tolerance in metres, included, and the greatest, excluded.
     pub(crate) least: &'a [Tile],
     pub(crate) most: &'a [Tile],
@@ -103,7 +104,10 @@ struct Look<'a> {
 impl Kernel for Look<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let px = L::splat(self.bands.px);
+        let allowance = self.bands.allowance;
+        let px = L::splat(allowance.px);
+        let near_px = L::splat(allowance.px_of_near());
+        let near_metres = L::splat(1.0 / Allowance::NEAR_PX_PER_METRE);
         for tile in self.tiles {
             let t = *tile as usize;
             let centre = [&self.spheres.x[t], &self.spheres.y[t], &self.spheres.z[t]];
@@ -129,7 +133,8 @@ impl Kernel for Look<'_> {
                 near |= L::bits(found.near);
             }
             seen.store(&mut self.sight.metres_per_px[t]);
-            let tolerance = seen.mul(px);
+            let is_near = seen.at_most(near_metres);
+            let tolerance = seen.mul(L::select(is_near, near_px, px));
             let stays = L::both(
                 L::load(&self.bands.least[t].0).at_most(tolerance),
                 tolerance.less(L::load(&self.bands.most[t].0)),

@@ -2,6 +2,7 @@
 
 pub(crate) mod adaptation;
 pub(crate) mod crowd;
+pub(crate) mod crowd_characters;
 pub(crate) mod crowd_errors;
 pub(crate) mod crowd_scene;
 pub(crate) mod devices;

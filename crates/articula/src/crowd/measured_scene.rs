@@ -4,20 +4,21 @@
 //! takes no time and no cache from the timed pass.
 
 use super::asset::CrowdAsset;
+use super::budget_use::{BudgetUse, Sacrificed};
 use super::level_use::{DrawCost, LevelStatistics, LevelTally};
 use super::lod_error::{CharacterError, ErrorMeter, ErrorSample, ErrorSummary};
 use super::measure_options::{FrameClocks, MeasureOptions};
 use super::morph_use::{MorphTally, MorphUse};
 use super::palette_hash::PaletteHash;
 use super::role_errors::RoleTally;
-use super::scene_measurement::{BudgetUse, CrowdMemory, DISPLAY_HZ, PoseUse, SceneMeasurement};
+use super::scene_measurement::{CrowdMemory, DISPLAY_HZ, PoseUse, SceneMeasurement};
 use super::scene_player::DetailGoal;
 use super::spread::Spread;
 use super::timed_scene::TimedScene;
 use crate::error::Result;
 use crate::work::Executor;
 use articula_build::Scene;
-use articula_core::crowd::{Budget, BudgetReport, Crowd, CrowdReport};
+use articula_core::crowd::{Allowance, Budget, BudgetReport, Crowd, CrowdReport};
 use std::sync::Arc;
 
 /// Frames before the first one that counts, at a standstill, in which levels and caches settle
@@ -54,10 +55,10 @@ pub fn measure_scene(
     let mut timed = TimedScene::new(characters, scene, options, clocks, work)?;
     work.step("playing", 0, 1)?;
     let (times, budgets) = play(&mut timed, options, clocks.wall_ns)?;
-    let tolerances: Vec<f32> = budgets.iter().map(|b| b.px).collect();
+    let allowed: Vec<Allowance> = budgets.iter().map(|b| b.shown).collect();
     let shown = TimedScene::new(characters, scene, options, clocks, work)?;
     let mut pass = MeasuredPass::new(characters, shown, options);
-    pass.run(&tolerances, work)?;
+    pass.run(&allowed, work)?;
     Ok(pass.measurement(&times, budget_of(&budgets)))
 }
 
@@ -85,8 +86,8 @@ fn play(
     let mut times = Vec::with_capacity(options.frames);
     for frame in 0..WARM_UP_FRAMES + options.frames {
         let (wall, start) = (wall_ns(), timed.thread_ns());
-        let px = budget.as_ref().map(Budget::px);
-        let (_, others_ns) = timed.plan(step_secs(frame), px)?;
+        let allowed = budget.as_ref().map(Budget::allowance);
+        let (_, others_ns) = timed.plan(step_secs(frame), allowed)?;
         if let Some(budget) = &mut budget {
             timed.player.add_to(budget);
         }
@@ -147,12 +148,12 @@ impl<'a> MeasuredPass<'a> {
         }
     }
 
-    fn run(&mut self, tolerances: &[f32], work: &Executor<'_>) -> Result<()> {
+    fn run(&mut self, allowed: &[Allowance], work: &Executor<'_>) -> Result<()> {
         let frames = self.options.frames;
         let count = frames.min(SAMPLED_FRAMES);
         for frame in 0..WARM_UP_FRAMES + frames {
-            let px = tolerances.get(frame).copied();
-            let (report, _) = self.timed.plan(step_secs(frame), px)?;
+            let allowance = allowed.get(frame).copied();
+            let (report, _) = self.timed.plan(step_secs(frame), allowance)?;
             let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
                 continue;
             };
@@ -334,11 +335,28 @@ fn overrun_p95(times: &[FrameTime], budget_ms: f32) -> f64 {
 /// Sums up the reports of a budget over the frames that count; `None` without a budget.
 fn budget_of(reports: &[BudgetReport]) -> Option<BudgetUse> {
     let reports = reports.get(WARM_UP_FRAMES..)?;
-    let expected: f64 = reports.iter().map(|r| r.expected_ns).sum();
+    let count = |is: &dyn Fn(&BudgetReport) -> bool| reports.iter().filter(|r| is(r)).count();
+    let mean_ms = |ns: &dyn Fn(&BudgetReport) -> f64| {
+        let sum: f64 = reports.iter().map(ns).sum();
+        sum / reports.len().max(1) as f64 / 1e6
+    };
+    let satisfied = count(&|r| r.is_satisfied());
     Some(BudgetUse {
-        expected_ms: expected / reports.len().max(1) as f64 / 1e6,
-        tolerance_px: Spread::of(reports.iter().map(|r| f64::from(r.px))),
-        worst_px: reports.iter().map(|r| r.px).fold(0.0, f32::max),
-        overloaded: reports.iter().filter(|r| r.is_overloaded()).count(),
+        budget_satisfied: satisfied == reports.len(),
+        satisfied,
+        expected_ms: mean_ms(&|r| r.expected_ns),
+        floor_ms: mean_ms(&|r| r.floor_ns),
+        tolerance_px: Spread::of(reports.iter().map(|r| f64::from(r.shown.px))),
+        worst_px: reports.iter().map(|r| r.shown.px).fold(0.0, f32::max),
+        near_px: reports
+            .iter()
+            .map(|r| r.shown.px_of_near())
+            .fold(0.0, f32::max),
+        overloaded: count(&|r| r.is_overloaded()),
+        sacrificed: Sacrificed {
+            triangles: count(&|r| r.sacrifice().triangles),
+            pixels: count(&|r| r.sacrifice().pixels),
+            time: count(&|r| r.sacrifice().time),
+        },
     })
 }

@@ -21,6 +21,7 @@
 //! and the threads that evaluate [`parts`](CrowdPlayer::parts).
 
 mod asset;
+mod budget_use;
 mod buffer_manifest;
 mod buffer_vertices;
 mod buffers;
@@ -69,6 +70,7 @@ pub mod wgsl;
 use no_impostors as impostors;
 
 pub use asset::{CrowdAsset, CrowdLevel};
+pub use budget_use::{BudgetUse, Sacrificed};
 pub use buffer_manifest::{
     BufferManifest, BufferSizes, DrawnManifest, EntryManifest, GroupManifest, LevelManifest,
     PartManifest,
@@ -97,15 +99,13 @@ pub use player::CrowdPlayer;
 pub use role_errors::RoleError;
 pub use scene_cast::{CharacterEntry, MAX_CHARACTERS, MAX_VIEWS};
 pub use scene_file::{MAX_MEMBERS, ParsedScene, write_scene};
-pub use scene_measurement::{
-    BudgetUse, CrowdMemory, DISPLAY_HZ, FrameSummary, PoseUse, SceneMeasurement,
-};
+pub use scene_measurement::{CrowdMemory, DISPLAY_HZ, FrameSummary, PoseUse, SceneMeasurement};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 pub use spread::Spread;
 
 pub use articula_core::crowd::{
-    Budget, BudgetReport, CacheUse, ClipEvent, Crowd, CrowdEvent, CrowdReport, CrowdSection,
-    Culling, Detail, Draw, DrawKind, ImpostorDraw,
+    Allowance, Budget, BudgetReport, CacheUse, ClipEvent, Crowd, CrowdEvent, CrowdReport,
+    CrowdSection, Culling, Detail, Draw, DrawKind, ImpostorDraw, Sacrifice,
 };
 pub use articula_core::visibility::View;
 pub use articula_core::{Backend, Camera, ClipStorage, PaletteForm, Viewport};

@@ -1,5 +1,6 @@
 //! Cost and error of a scene, as [`measure_scene`](super::measure_scene) finds them.
 
+use super::budget_use::BudgetUse;
 use super::level_use::{DrawCost, LevelStatistics};
 use super::lod_error::{ErrorSample, ErrorSummary};
 use super::morph_use::MorphUse;
@@ -137,17 +138,4 @@ pub struct CrowdMemory {
     pub state_bytes: usize,
     /// Bytes of the state of one.
     pub state_bytes_per_character: usize,
-}
-
-/// Result of a budget over the frames that count.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct BudgetUse {
-    /// Expected time of a frame, mean, milliseconds.
-    pub expected_ms: f64,
-    /// Tolerance of a frame, pixels.
-    pub tolerance_px: Spread,
-    /// Greatest tolerance of any frame, pixels.
-    pub worst_px: f32,
-    /// Frames for which the budget did not suffice for the error cap.
-    pub overloaded: usize,
 }

@@ -11,7 +11,8 @@ use super::scene_cast::MAX_VIEWS;
 use crate::error::{Error, Result};
 use articula_build::{ClipPlayback, CrossFade, Scene, SceneView};
 use articula_core::crowd::{
-    Budget, CacheUse, CharacterState, ClipState, CrowdReport, CrowdSection, Culling, Detail,
+    Allowance, Budget, CacheUse, CharacterState, ClipState, CrowdReport, CrowdSection, Culling,
+    Detail,
 };
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};
@@ -30,12 +31,12 @@ pub enum DetailGoal {
     Level(usize),
     /// The coarsest level within an error in pixels.
     Tolerance(f32),
-    /// The least tolerance within a time per frame, which
-    /// [`ScenePlayer::set_tolerance`] sets before each frame.
+    /// A tolerance as long as it fits a time per frame, and the least one that does where it does not:
+    /// [`ScenePlayer::allow`] sets it before each frame.
     Budget {
         /// Processor time per frame, in milliseconds.
         ms: f32,
-        /// Error above which the time does not suffice, in pixels.
+        /// Error that should not be exceeded, in pixels.
         cap_px: f32,
     },
 }
@@ -264,14 +265,14 @@ impl ScenePlayer {
         Ok(error_views.collect())
     }
 
-    /// Sets the tolerance of the next frames in pixels.
-    pub fn set_tolerance(&mut self, px: f32) {
+    /// Sets what a budget allows the next frames ([`Budget::allowance`]).
+    pub fn allow(&mut self, allowance: Allowance) {
         for crowd in &mut self.crowds {
-            crowd.detail = Detail::Tolerance { px };
+            crowd.detail = Detail::Within(allowance);
         }
     }
 
-    /// Adds the planned frame of all crowds to a budget, within whose [`Budget::px`] it was planned.
+    /// Adds the planned frame of all crowds to a budget, within whose [`Budget::allowance`] it was planned.
     pub fn add_to(&mut self, budget: &mut Budget) {
         for crowd in &mut self.crowds {
             crowd.add_to(budget);

@@ -7,7 +7,7 @@ use super::scene_player::ScenePlayer;
 use crate::error::Result;
 use crate::work::Executor;
 use articula_build::Scene;
-use articula_core::crowd::CrowdReport;
+use articula_core::crowd::{Allowance, CrowdReport};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
@@ -50,11 +50,15 @@ impl<'a> TimedScene<'a> {
         (self.clocks.thread_ns)()
     }
 
-    /// Advances the scene and plans the frame, within another tolerance than before if one is given;
+    /// Advances the scene and plans the frame, within what a budget allows if there is one;
     /// returns the processor time of other threads too, nanoseconds.
-    pub(super) fn plan(&mut self, dt_secs: f64, px: Option<f32>) -> Result<(CrowdReport, u64)> {
-        if let Some(px) = px {
-            self.player.set_tolerance(px);
+    pub(super) fn plan(
+        &mut self,
+        dt_secs: f64,
+        allowed: Option<Allowance>,
+    ) -> Result<(CrowdReport, u64)> {
+        if let Some(allowance) = allowed {
+            self.player.allow(allowance);
         }
         if self.parts == 1 {
             return Ok((self.player.plan(dt_secs)?, 0));

@@ -177,11 +177,11 @@ fn one_budget_serves_all_characters() {
         let mut budget = Budget::new(limit_ns, 1.0);
         let mut last = None;
         for _ in 0..40 {
-            player.set_tolerance(budget.px());
+            player.allow(budget.allowance());
             let report = player.plan(1.0 / 60.0).unwrap();
             player.add_to(&mut budget);
             let found = budget.observe(1.0, 100.0 * report.work.matrices as f64 + 1.0);
-            last = Some((report.work.matrices, found.px));
+            last = Some((report.work.matrices, found.shown.px));
         }
         last.unwrap()
     };

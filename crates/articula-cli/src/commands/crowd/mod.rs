@@ -4,7 +4,6 @@ mod cast;
 mod importance;
 mod outputs;
 mod report;
-mod spacing;
 
 use crate::arguments::{field_of_view, not_negative, positive, size};
 use crate::console::Console;
@@ -20,7 +19,7 @@ use articula::crowd::{
     SceneMeasurement, SceneOptions, measure_scene,
 };
 use articula::flat::impostor::{ImpostorBound, ImpostorOptions};
-use articula_report::FRAME_CLOCKS;
+use articula_report::{FRAME_CLOCKS, crowd_for_sizes};
 use cast::{CastArgs, CastAsset, NamedScene};
 use clap::{Args, ValueEnum};
 use importance::ImportanceArgs;
@@ -74,11 +73,11 @@ pub(crate) struct CrowdArgs {
     /// scene file
     #[arg(long, value_name = "NAME|F.json", default_value = "plaza")]
     scene: String,
-    /// Processor time per frame in milliseconds; levels are chosen for the least visible error
-    /// within it
+    /// Processor time per frame in milliseconds; where it does not suffice, triangles are given up, then
+    /// the error of far characters
     #[arg(long, value_name = "MS", value_parser = positive)]
     budget_ms: Option<f32>,
-    /// Maximum visible error in pixels; with a budget, errors above it are reduced first
+    /// Maximum visible error in pixels; with a budget, as long as the time suffices
     #[arg(long, value_name = "PX", default_value = "1", value_parser = not_negative)]
     epsilon_px: f32,
     /// Number of threads
@@ -344,7 +343,7 @@ impl CrowdArgs {
                 let count = self.count.unwrap_or(PLAZA_COUNT);
                 let clips: Vec<usize> = cast.iter().map(|c| c.asset.clips().len()).collect();
                 let scene = plaza(count, &clips, self.seed, self.plaza().unwrap_or_default());
-                spacing::for_sizes(scene, cast.iter().map(|c| &*c.asset.full().mesh))
+                crowd_for_sizes(scene, cast.iter().map(|c| &*c.asset.full().mesh))
             }
         };
         self.apply_views(&mut scene)?;

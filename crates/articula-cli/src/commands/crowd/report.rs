@@ -224,6 +224,47 @@ impl CrowdRunReport {
         text
     }
 
+    /// Whether the budget was kept, and what was given up for it; empty without one.
+    fn budget_text(&self) -> String {
+        let (Some(ms), Some(over), Some(b)) = (
+            self.measured.budget_ms,
+            self.measured.overrun_p95,
+            self.measured.budget,
+        ) else {
+            return String::new();
+        };
+        let mut text = format!(
+            "budget {ms} ms, overrun p95 {:.1}%; {:.3} ms expected, {:.3} ms at least; tolerance median {:.2} px, max {:.2} px, near {:.2} px\n",
+            100.0 * over,
+            b.expected_ms,
+            b.floor_ms,
+            b.tolerance_px.median,
+            b.worst_px,
+            b.near_px
+        );
+        if b.budget_satisfied {
+            text.push_str("budget satisfied\n");
+            return text;
+        }
+        let (frames, gave) = (self.measured.frames, b.sacrificed);
+        text.push_str(&format!(
+            "budget satisfied in {} of {frames} frames; given up: more triangles in {}, error above {} px in {}, time in {}\n",
+            b.satisfied, gave.triangles, self.epsilon_px, gave.pixels, gave.time
+        ));
+        if gave.time > 0 {
+            text.push_str(&format!(
+                "floor: these characters need {:.3} ms, whatever the error; raise --budget-ms or lower --count\n",
+                b.floor_ms
+            ));
+        } else if b.overloaded > 0 {
+            text.push_str(&format!(
+                "overload: {} frames needed more than {} px; --epsilon-px {:.2} would fit\n",
+                b.overloaded, self.epsilon_px, b.worst_px
+            ));
+        }
+        text
+    }
+
     fn sums(&self) -> String {
         let mut text = format!(
             "\ntime   median {:.3} ms per frame (p95 {:.3}), {:.1} ns per character, {:.0} characters per ms; before evaluation {:.3} ms; wall clock {:.3} ms\n",
@@ -280,22 +321,7 @@ impl CrowdRunReport {
             self.measured.working_set.state_bytes_per_character,
             self.measured.renderer.resident_bytes as f64 / 1e6
         ));
-        if let (Some(ms), Some(over), Some(b)) = (
-            self.measured.budget_ms,
-            self.measured.overrun_p95,
-            self.measured.budget,
-        ) {
-            text.push_str(&format!(
-                "budget {ms} ms, overrun p95 {:.1}%; {:.3} ms expected; tolerance median {:.2} px, max {:.2} px\n",
-                100.0 * over, b.expected_ms, b.tolerance_px.median, b.worst_px
-            ));
-            if b.overloaded > 0 {
-                text.push_str(&format!(
-                    "overload: {} frames needed more than {} px; --epsilon-px {:.2} would fit\n",
-                    b.overloaded, self.epsilon_px, b.worst_px
-                ));
-            }
-        }
+        text.push_str(&self.budget_text());
         text
     }
 }

@@ -10,7 +10,7 @@ const PERSON_METRES: f32 = 2.0;
 
 /// Returns a scene whose distances, the height of its cameras included, are larger in proportion to the
 /// largest figure at rest; that of persons stays as it is.
-pub(super) fn for_sizes<'a>(mut scene: Scene, meshes: impl Iterator<Item = &'a Mesh>) -> Scene {
+pub fn crowd_for_sizes<'a>(mut scene: Scene, meshes: impl Iterator<Item = &'a Mesh>) -> Scene {
     let largest = meshes.map(extent_metres).fold(PERSON_METRES, f32::max);
     let factor = largest / PERSON_METRES;
     if factor > 1.0 && factor.is_finite() {
@@ -46,8 +46,8 @@ mod tests {
             ..Mesh::default()
         };
         let [person, giant] = [1.8, 5.0].map(of_extent);
-        assert_eq!(for_sizes(scene.clone(), [&person].into_iter()), scene);
-        let wide = for_sizes(scene.clone(), [&person, &giant].into_iter());
+        assert_eq!(crowd_for_sizes(scene.clone(), [&person].into_iter()), scene);
+        let wide = crowd_for_sizes(scene.clone(), [&person, &giant].into_iter());
         let apart = |s: &Scene| s.members[0].position.distance(s.members[1].position);
         assert_eq!((apart(&scene), apart(&wide)), (2.0, 5.0));
         let eye = |s: &Scene| s.views[0].camera[0].eye.y;
