@@ -70,6 +70,7 @@ pub fn build(
         pivot,
         sectors,
         clips: source.clips.to_vec(),
+        inputs: Vec::new(),
     })
 }
 

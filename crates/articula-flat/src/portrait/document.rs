@@ -6,7 +6,7 @@
 use super::error::{PortraitError, refuse};
 use super::pose_grid::{ExpressionTable, Quantised};
 use super::views::View;
-use super::{Portrait, PortraitClip};
+use super::{Portrait, PortraitClip, PortraitInput};
 use crate::error::PictureError;
 use crate::markup::quoted;
 use crate::picture::Picture;
@@ -104,7 +104,12 @@ impl Portrait {
         });
         let _ = writeln!(out, "\"sectors\":{},", list(sectors)?);
         let clips = self.clips.iter().map(clip_json);
-        let _ = write!(out, "\"clips\":{}\n}}\n", list(clips)?);
+        let _ = write!(out, "\"clips\":{}", list(clips)?);
+        if !self.inputs.is_empty() {
+            let inputs: Result<Vec<String>, _> = self.inputs.iter().map(input_json).collect();
+            let _ = write!(out, ",\n\"inputs\":{{{}}}", inputs?.join(","));
+        }
+        out.push_str("\n}\n");
         Ok(out)
     }
 
@@ -185,6 +190,12 @@ fn clip_json(clip: &PortraitClip) -> Result<String, PortraitError> {
         names.join(","),
         numbers(weights.map(i16::to_le_bytes)),
     ))
+}
+
+fn input_json(input: &PortraitInput) -> Result<String, PortraitError> {
+    let pair = |(fap, value): &(u8, f32)| Ok(format!("[{fap},{}]", number(*value)?));
+    let faps = list(input.faps.iter().map(pair))?;
+    Ok(format!("{}:{faps}", quoted(&input.name)))
 }
 
 /// Encodes a picture.

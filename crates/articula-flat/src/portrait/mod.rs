@@ -43,6 +43,6 @@ pub use clip::PortraitClip;
 pub use document::PictureFormat;
 pub use error::PortraitError;
 pub use head::{Head, HeadPose, JointTurn, PortraitExpression};
-pub use model::{Portrait, PortraitCounts};
+pub use model::{Portrait, PortraitCounts, PortraitInput};
 pub use page::{EmbeddedFile, PageOptions, page};
 pub use source::{PortraitOptions, PortraitSource};

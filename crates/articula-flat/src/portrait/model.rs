@@ -31,6 +31,18 @@ pub struct Portrait {
     pub(crate) sectors: Vec<Sector>,
     /// Motions of the portrait.
     pub clips: Vec<PortraitClip>,
+    /// What it can be driven by besides its expressions.
+    pub inputs: Vec<PortraitInput>,
+}
+
+/// A name by which a portrait is driven that is not one of its expressions, such as a blend shape or a
+/// viseme: it stands for facial animation parameters, which expressions show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PortraitInput {
+    /// Name of the input.
+    pub name: String,
+    /// Numbers of the parameters, and their values in their units at weight 1.
+    pub faps: Vec<(u8, f32)>,
 }
 
 /// Numbers of views, triangles, vertices and expressions of a portrait.
@@ -57,16 +69,17 @@ impl Portrait {
         }
     }
 
-    /// Positions of all vertices in pixels. One weight per expression; missing ones are 0.
+    /// Returns the vertex of the figure's mesh that each vertex of the 2D mesh is.
+    pub fn vertices(&self) -> &[u32] {
+        &self.mesh.vertices
+    }
+
+    /// Returns the positions of all vertices in pixels. One weight per expression; missing ones are 0.
     ///
     /// # Errors
     /// [`PortraitError::Mismatch`] if an angle or weight is not finite, or there are more weights
     /// than expressions.
-    pub(crate) fn places(
-        &self,
-        pose: &HeadPose,
-        weights: &[f32],
-    ) -> Result<Vec<Vec2>, PortraitError> {
+    pub fn places(&self, pose: &HeadPose, weights: &[f32]) -> Result<Vec<Vec2>, PortraitError> {
         if !pose.is_finite() {
             return Err(refuse("pose", "the angles must be finite"));
         }

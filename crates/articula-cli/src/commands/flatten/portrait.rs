@@ -1,11 +1,13 @@
 //! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
 
 use super::arguments::ConvertArgs;
+use super::face;
 use crate::console::Console;
 use crate::fault;
 use crate::files::{self, Files};
 use crate::open;
 use anyhow::Context;
+use articula::Figure;
 use articula::core::Progress;
 use articula::core::Viewport;
 use articula::flat::flatten::{FileSize, Representation};
@@ -33,6 +35,7 @@ struct PortraitReport {
     triangles: usize,
     vertices: usize,
     expressions: usize,
+    inputs: usize,
     frames: usize,
     size_px: (u32, u32),
     error: Vec<YawError>,
@@ -50,12 +53,17 @@ struct YawError {
 
 /// Makes the portrait, writes it and reports its error.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    let figure = open::figure(&console.files, &args.character())?;
+    let mut opened = open::kept(&console.files, &args.character())?;
+    let mut given = face::give(args, &mut opened, console)?;
+    if args.special.live {
+        face::give_table(&mut opened, &mut given)?;
+    }
+    let figure = Figure::new(opened)?;
     let place = || figure.opened.name().to_owned();
-    let clip = figure.clip(args.motion.clip.as_deref())?;
+    let clip = figure.clip(given.clip(args))?;
     let options = options(args)?;
     if clip.is_none() && args.special.audio.is_some() {
-        let what = "--audio needs a clip with the motion of the mouth; name one with --clip";
+        let what = "--audio needs a clip with the motion of the mouth; name one with --clip, or give --motion";
         return Err(fault::usage(what));
     }
     let viewport = Viewport {
@@ -67,7 +75,9 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let count = args.shot.triangles.unwrap_or(1000) as usize;
     let shot = FramedHead::new(&figure, clip, count, viewport).with_context(place)?;
     bar.set_position(30);
-    let portrait = build(&shot.source(), &options, &mut Progress::none()).with_context(place)?;
+    let mut portrait =
+        build(&shot.source(), &options, &mut Progress::none()).with_context(place)?;
+    portrait.inputs = shot.inputs();
     bar.set_position(70);
     let written = write(args, &portrait, &console.files)?;
     let mut error = Vec::with_capacity(YAWS_DEG.len());
@@ -104,6 +114,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         triangles: counts.triangles,
         vertices: counts.vertices,
         expressions: counts.expressions,
+        inputs: portrait.inputs.len(),
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,
@@ -118,9 +129,12 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             .into_iter()
             .chain(surfaces_shown_otherwise(&figure))
             .chain(warning)
+            .chain(given.warnings.iter().cloned())
             .collect(),
     };
-    console.result(&report, PortraitReport::text)
+    let face = given.text();
+    let report = given.with(report);
+    console.result(&report, |told| told.report.text() + &face)
 }
 
 /// A warning, if the portrait is far from the figure.
