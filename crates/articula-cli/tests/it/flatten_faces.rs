@@ -163,3 +163,37 @@ fn what_moves_no_face_is_refused() {
     );
     assert!(ran.status == 2 && ran.err.contains("--clip"), "{}", ran.err);
 }
+
+#[test]
+fn body_and_face_share_one_error() {
+    let here = folder("lod-face");
+    talk(&here.join("talk.fap"));
+    json(&here, &["human", "h.glb", "--triangles", "2000"]);
+    let lod = ["lod", "h.glb", "--clip", "walk", "--face", "talk.fap"];
+    let told = json(
+        &here,
+        &[&lod[..], &["--calibrate", "2", "--distances", "4,25"]].concat(),
+    );
+    let face = &told["face"];
+    assert!(face["confidence"].as_f64().unwrap() > 0.5, "{face}");
+    let number = |row: &Value, name: &str| row[name].as_f64().unwrap();
+    let rows = face["rows"].as_array().unwrap();
+    for (row, body) in rows.iter().zip(told["rows"].as_array().unwrap()) {
+        let [body_px, face_px] = ["body_px", "face_px"].map(|name| number(row, name));
+        let worst = body["face_px"]["worst_vertex"].as_f64().unwrap();
+        assert!((body_px - worst).abs() < 1e-6, "{row}");
+        assert!((number(row, "both_px") - body_px - face_px).abs() < 1e-5);
+        assert_eq!(row["meets_target"], number(row, "both_px") <= 2.0);
+    }
+    // Near, the mouth moves; far away it does not matter.
+    let kept = |row: &Value| row["parameters"].as_array().unwrap().len();
+    assert!(kept(&rows[0]) > kept(&rows[1]), "{face}");
+    let line = fault(
+        &here,
+        2,
+        &[&lod[..], &["--method", "all", "--calibrate", "2"]].concat(),
+    );
+    assert!(line.contains("beside one method"), "{line}");
+    let line = fault(&here, 2, &["lod", "h.glb", "--face", "h.glb"]);
+    assert!(line.contains("expected a .fap"), "{line}");
+}

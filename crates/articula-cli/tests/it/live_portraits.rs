@@ -71,10 +71,25 @@ fn a_portrait_takes_parameters_shapes_and_visemes() {
         {"shapes": {"jawOpen": 0.5}},
         {"visemes": {"aa": 1}},
         {"visemes": {"sil": 1}, "shapes": {"none": 1}, "faps": {"1": 4, "3": -200}},
+        {"head": {"roll": 90}},
+        {"head": {"roll": 180}},
         {"faps": null, "shapes": {"jawOpen": null}, "head": {"yaw": "far"}},
     ]);
     let shown = driven(&here, &document, &inputs);
-    let [rest, jaw, left, turned, yaw, open, aa, nothing, wrong] = &shown[..] else {
+    let [
+        rest,
+        jaw,
+        left,
+        turned,
+        yaw,
+        open,
+        aa,
+        nothing,
+        quarter,
+        half,
+        wrong,
+    ] = &shown[..]
+    else {
         panic!("{} answers", shown.len());
     };
     for moved in [jaw, left, turned, open, aa] {
@@ -89,6 +104,7 @@ fn a_portrait_takes_parameters_shapes_and_visemes() {
         assert!(farthest(still, rest) < 1e-9);
     }
     assert_eq!(nothing["missing"], object!(["none", "fap1"]));
+    turned_about_one_centre(&document, rest, quarter, half);
     // 0.17453 rad are 10 degrees.
     assert!(farthest(left, yaw) < 1e-3);
     let angle = |axis: &str| turned["pose"][axis].as_f64().unwrap().to_radians();
@@ -97,6 +113,31 @@ fn a_portrait_takes_parameters_shapes_and_visemes() {
     for (axis, expected) in [("yaw", yaw), ("pitch", pitch), ("roll", roll)] {
         assert!((angle(axis) - f64::from(expected)).abs() < 1e-5, "{axis}");
     }
+}
+
+/// Half a turn tells the centre of each vertex: on the line from the middle of the picture through the pivot,
+/// farther out for nearer vertices. A quarter turn has the same.
+fn turned_about_one_centre(document: &Value, rest: &Value, quarter: &Value, half: &Value) {
+    let [size, pivot] = ["size", "pivot"].map(|name| numbers(&document[name]));
+    let places = [rest, quarter, half].map(|shown| numbers(&shown["places"]));
+    let mut farthest: f64 = 0.0;
+    for v in 0..places[0].len() / 2 {
+        let [a, b, c] = [0, 1, 2].map(|i| [places[i][2 * v], places[i][2 * v + 1]]);
+        let centre = [0.5 * (a[0] + c[0]), 0.5 * (a[1] + c[1])];
+        let from_middle = [0, 1].map(|i| centre[i] - 0.5 * size[i]);
+        let of_pivot = [0, 1].map(|i| pivot[i] - 0.5 * size[i]);
+        let across = from_middle[0] * of_pivot[1] - from_middle[1] * of_pivot[0];
+        assert!(
+            across.abs() < 1e-2 * of_pivot[0].hypot(of_pivot[1]).max(1.0),
+            "{across}"
+        );
+        // What is right of the centre moves up.
+        let (x, y) = (a[0] - centre[0], a[1] - centre[1]);
+        let [right, down] = [b[0] - centre[0], b[1] - centre[1]];
+        assert!((right - y).abs() < 1e-2 && (down + x).abs() < 1e-2);
+        farthest = farthest.max((centre[0] - pivot[0]).hypot(centre[1] - pivot[1]));
+    }
+    assert!(farthest > 0.1 && farthest < 20.0, "{farthest}");
 }
 
 #[test]

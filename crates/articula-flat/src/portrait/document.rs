@@ -5,6 +5,7 @@
 
 use super::error::{PortraitError, refuse};
 use super::pose_grid::{ExpressionTable, Quantised};
+use super::roll::Roll;
 use super::views::View;
 use super::{Portrait, PortraitClip, PortraitInput};
 use crate::error::PictureError;
@@ -81,14 +82,21 @@ impl Portrait {
     pub(crate) fn to_json(&self, format: PictureFormat) -> Result<String, PortraitError> {
         let mut out = String::from("{\n\"format\":\"articula-portrait\",\"version\":1,\n");
         let (width, height) = self.size;
-        let (x, y) = (number(self.pivot.x)?, number(self.pivot.y)?);
+        let Roll {
+            tilts,
+            depths,
+            blends,
+            pivot,
+        } = &self.roll;
+        let (x, y) = (number(pivot.x)?, number(pivot.y)?);
         let _ = write!(
             out,
             "\"size\":[{width},{height}],\"pivot\":[{x},{y}],\n\"vertices\":{},\n\
-             \"triangles\":{},\n\"tilts\":{},\n",
+             \"triangles\":{},\n\"tilts\":{},\"depths\":{},\"blends\":{blends},\n",
             numbers(self.mesh.vertices.iter().map(|v| v.to_le_bytes())),
             shorts(self.mesh.triangles.iter().flatten()),
-            numbers(self.tilts.iter().map(|t| [*t])),
+            numbers(tilts.iter().map(|t| [*t])),
+            numbers(depths.iter().map(|d| d.to_le_bytes())),
         );
         let views = self.views.iter().zip(&self.layers.of_view);
         let views = views.zip(self.picture_names(format));

@@ -6,6 +6,7 @@ use super::flat_mesh::FlatMesh;
 use super::head::HeadPose;
 use super::paint_order::Sector;
 use super::pose_grid::PoseGrid;
+use super::roll::Roll;
 use super::views::View;
 use super::visibility::Layers;
 use glam::Vec2;
@@ -23,10 +24,8 @@ pub struct Portrait {
     pub(crate) layers: Layers,
     /// Positions of the vertices by head angle and expression.
     pub(crate) grid: PoseGrid,
-    /// Part of a roll that each vertex takes, 0 to 255.
-    pub(crate) tilts: Vec<u8>,
-    /// Centre of roll, pixels.
-    pub(crate) pivot: Vec2,
+    /// How the vertices follow a roll.
+    pub(crate) roll: Roll,
     /// Painting orders, ascending by yaw.
     pub(crate) sectors: Vec<Sector>,
     /// Motions of the portrait.
@@ -95,11 +94,9 @@ impl Portrait {
         }
         let mut places = self.grid.places(pose, weights);
         if pose.roll_degrees != 0.0 {
-            for (place, tilt) in places.iter_mut().zip(&self.tilts) {
-                // The picture's y axis points down, so counter-clockwise is a negative angle.
-                let angle = -pose.roll_degrees.to_radians() * f32::from(*tilt) / 255.0;
-                *place = self.pivot + Vec2::from_angle(angle).rotate(*place - self.pivot);
-            }
+            let (width, height) = self.size;
+            let middle = 0.5 * Vec2::new(width as f32, height as f32);
+            self.roll.turn(&mut places, pose.roll_degrees, middle);
         }
         Ok(places)
     }

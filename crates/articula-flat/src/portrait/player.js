@@ -27,6 +27,7 @@ class ArticulaPortrait {
     this.triangles = new Uint16Array(bytes(json.triangles));
     this.count = this.triangles.length / 3;
     this.tilts = new Uint8Array(bytes(json.tilts));
+    this.depths = new Int8Array(bytes(json.depths ?? btoa("\0".repeat(this.tilts.length))));
     this.coefficients = new Float32Array(bytes(json.grid.coefficients));
     const scaled = (steps, step) => Float32Array.from(steps, (s) => s * step);
     this.rest = json.grid.rest.map((m) => scaled(new Int16Array(bytes(m.steps)), m.scale));
@@ -263,13 +264,16 @@ class ArticulaPortrait {
   }
 
   tilt(places, roll) {
-    const [px, py] = this.json.pivot;
+    const { pivot, size, blends } = this.json;
     for (let v = 0; 2 * v < places.length; v++) {
-      const angle = ((-roll * Math.PI) / 180) * (this.tilts[v] / 255);
+      const part = this.tilts[v] / 255;
+      const angle = ((-roll * Math.PI) / 180) * (blends ? 1 : part);
       const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
+      // The pivot at the depth of the vertex.
+      const [px, py] = pivot.map((p, i) => p + ((p - size[i] / 2) * this.depths[v]) / 256);
       const [x, y] = [places[2 * v] - px, places[2 * v + 1] - py];
-      places[2 * v] = px + cos * x - sin * y;
-      places[2 * v + 1] = py + sin * x + cos * y;
+      const turned = [px + cos * x - sin * y, py + sin * x + cos * y];
+      for (const i of [0, 1]) places[2 * v + i] += (blends ? part : 1) * (turned[i] - places[2 * v + i]);
     }
   }
 

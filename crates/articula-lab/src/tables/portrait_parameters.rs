@@ -31,8 +31,8 @@ const HELD: usize = 4;
 const RATE_HZ: f32 = 25.0;
 /// Motion and error in pixels below which a parameter is dropped, or exact.
 const LEAST_PX: f32 = 0.5;
-/// Greatest values of head and eyes, in units of 1e-5 rad: 43 and 52 are those of the blend shapes of gaze,
-/// the head nods by 10°, turns by 30° and leans by 20°.
+/// Greatest values of angles, in units of 1e-5 rad: those of eyes are of the blend shapes of gaze, the head
+/// nods by 10°, turns by 30° and leans by 20°.
 const TURNS: [(usize, i32); 7] = [
     (23, 52_000),
     (24, 52_000),
@@ -146,8 +146,9 @@ fn values(opened: &CharacterFile) -> Vec<(usize, i32)> {
     let parts: Vec<FapInterval> = names.filter_map(|n| FapInterval::parse(n)).collect();
     let greatest = |fap: usize| {
         let own = parts.iter().filter(|part| part.fap == fap).map(|p| p.to);
-        let turn = TURNS.iter().find(|(turned, _)| *turned == fap);
-        own.max_by_key(|to| (to.abs(), *to)).or(turn.map(|t| t.1))
+        let own = own.max_by_key(|to| (to.abs(), *to));
+        let turn = TURNS.iter().find(|(turned, _)| *turned == fap).map(|t| t.1);
+        own.or(turn)
     };
     LOW_FAPS
         .filter_map(|fap| Some((fap, greatest(fap)?)))
@@ -280,7 +281,8 @@ fn page(heads: &[Measured]) -> String {
          vertices of the 2D mesh beside the projection of the head that the same face animation table moves in 3D \
          ([portrait](../formats/portrait.md); the thesis' annex C). A parameter is *exact* if no vertex is more than \
          {LEAST_PX} px off, *approximated* if one is, *dropped* if it moves nothing by as much, be it that the head \
-         lacks the part. FAP 1 and 2 are shown by the others. Hidden vertices, as of the tongue in a closed mouth, \
+         lacks the part; ICT-FaceKit has no joint that turns it in 3D, though its portrait turns. FAP 1 and 2 are shown \
+         by the others. Hidden vertices, as of the tongue in a closed mouth, \
          count like all others.\n"
     );
     out += &section(

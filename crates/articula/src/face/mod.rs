@@ -21,6 +21,7 @@
 //! - `motion`: any motion of a face that was read from a file
 //! - `levels`: a FAP clip at a level of articulation
 //! - `detail`: error of levels on a head, and their choice by distance
+//! - `with_body`: the parameters of a face that moves with a body
 //! - `driven`: how many parameters a face shows
 
 mod capture;
@@ -47,6 +48,7 @@ mod surface;
 mod targets;
 mod turns;
 mod vrma;
+mod with_body;
 
 #[cfg(feature = "speech")]
 pub(crate) use capture::row_values;
@@ -80,3 +82,4 @@ pub use surface::HeadSurface;
 #[cfg(feature = "flat")]
 pub(crate) use turns::{Turn, turns};
 pub use vrma::{faps_to_vrma, presets_to_faps};
+pub use with_body::{FaceWithBody, FaceWithBodyRow, face_with_body};

@@ -82,7 +82,9 @@ pub fn face_with_body(
         tolerance_px,
         moving: shown.faps_moving,
         not_driven: shown.not_driven,
-        confidence: FoundFace::of(figure, &[]).ok().map(|face| face.confidence()),
+        confidence: FoundFace::of(figure, &[])
+            .ok()
+            .map(|face| face.confidence()),
         rows: body.iter().map(row).collect(),
     })
 }

@@ -131,7 +131,7 @@ pub(crate) struct ShotArgs {
     pub(crate) fov_deg: f32,
     /// Approximate number of triangles after removing those that are never visible [default: 600,
     /// player 1500, or up to four times as many if face, hands or body differ visibly; portrait
-    /// 1000]
+    /// 1000, or up to 3000 if its front differs by more than 12 levels of 255]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     pub(crate) triangles: Option<u32>,
 }
