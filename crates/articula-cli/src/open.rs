@@ -15,7 +15,7 @@ use articula::formats::{
 use articula::inspect::{TrackInspection, inspect_mp4};
 use articula::stream::StreamLimits;
 use articula::stream::description::{GbsdOptions, write_gbsd};
-use articula::{CharacterFile, DataFile, DataFormat, Figure, Format, OpenOptions, open_data};
+use articula::{CharacterFile, Data, DataFile, DataFormat, Figure, Format, OpenOptions, open_data};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 
@@ -145,6 +145,26 @@ pub(crate) fn data(path: &Path, format: DataFormat, args: &ReadArgs) -> anyhow::
     let options = options(args)?;
     let bytes = files::read(path, options.limits.bytes)?;
     Ok(open_data(&bytes, &files::shown(path), format, &options)?)
+}
+
+/// Opens a motion of a face without a character, parameters or a capture.
+pub(crate) fn face_motion(
+    path: &Path,
+    format: DataFormat,
+    args: &ReadArgs,
+) -> anyhow::Result<DataFile> {
+    let mut read = data(path, format, args)?;
+    if !format.animates_a_face() {
+        anyhow::bail!("{}: {}", files::shown(path), format.advice());
+    }
+    if args.settings().skip_first_frame {
+        match &mut read.data {
+            Data::Fap(clip) if clip.frames.len() > 1 => drop(clip.frames.remove(0)),
+            Data::LiveLink(capture) if capture.frames.len() > 1 => capture.skip_first_frame(),
+            _ => {}
+        }
+    }
+    Ok(read)
 }
 
 /// The options of the library that correspond to the flags.

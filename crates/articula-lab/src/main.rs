@@ -86,6 +86,8 @@ enum Table {
     FaceMeshLevels,
     /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
     Flat(flat::Choice),
+    /// Facial animation parameters on portraits, beside the projected head (the thesis' annex C).
+    PortraitParameters,
     /// Blend shapes through facial animation parameters: what is lost.
     FaceBridges,
     /// Feature points of faces: errors on random heads with landmarks.
@@ -145,6 +147,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::Flat(choice) => flat::write(run, choice),
         Table::RoundTrips => tables::round_trips::write(run),
         Table::Retargets(pictures) => tables::retargets::write(run, pictures),
+        Table::PortraitParameters => tables::portrait_parameters::write(run),
         Table::FaceBridges => tables::face_bridges::write(run),
         Table::FacePoints => tables::face_points::write(run),
         Table::FaceTables => tables::face_tables::write(run),

@@ -8,6 +8,7 @@ pub(crate) mod convert;
 pub(crate) mod crowd;
 pub(crate) mod demo;
 pub(crate) mod device_score;
+mod face_shapes;
 pub(crate) mod flatten;
 pub(crate) mod gbsd;
 pub(crate) mod human;

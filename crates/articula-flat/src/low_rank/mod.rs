@@ -14,6 +14,5 @@ pub(crate) mod quantised;
 mod tall;
 mod wide;
 
-pub(crate) use orthonormal::dot;
 pub(crate) use tall::{Component, LowRank, Table, decompose};
 pub(crate) use wide::modes;

@@ -2,11 +2,13 @@
 
 use super::error::{PortraitError, refuse};
 use super::flat_mesh::{FlatMesh, flat_mesh};
+use super::head::Head;
 use super::head::HeadPose;
 use super::model::Portrait;
 use super::paint_order::{Probe, Sector, sector};
 use super::pose_grid::{PoseGrid, Samples};
 use super::posing::{Poser, part_of, places, project};
+use super::roll::{Roll, depth_steps};
 use super::source::{PortraitOptions, PortraitSource};
 use super::views;
 use crate::projection::{Projection, Screen};
@@ -15,7 +17,7 @@ use glam::Vec2;
 
 /// Maximum yaw step between nodes of the pose grid, degrees.
 const YAW_STEP: f32 = 7.5;
-const PITCH_STEP: f32 = 10.0;
+const PITCH_STEP: f32 = 5.0;
 /// Width of a yaw range with one painting order, degrees.
 const SECTOR_DEGREES: f32 = 15.0;
 /// Maximum number of probe frames of all clips for a painting order.
@@ -45,13 +47,7 @@ pub fn build(
     progress.step(0.8)?;
     let sectors = sectors(source, options, &flat, &poser)?;
     progress.step(1.0)?;
-    let screen = Screen::new(&source.camera, Projection::Perspective);
-    let pivot = screen.place(poser.pivot()).ok_or_else(|| {
-        refuse(
-            "head",
-            "the pivot of the head is behind the camera; move the camera away",
-        )
-    })?;
+    let roll = roll(source, &poser)?;
     let viewport = source.camera.viewport;
     Ok(Portrait {
         size: (
@@ -62,14 +58,31 @@ pub fn build(
         views: views.views,
         layers: views.layers,
         grid,
-        tilts: poser
-            .shares()
-            .iter()
-            .map(|s| (s * 255.0).round() as u8)
-            .collect(),
-        pivot,
+        roll,
         sectors,
         clips: source.clips.to_vec(),
+        inputs: Vec::new(),
+    })
+}
+
+/// How the vertices follow a roll, from their weights and their depths at rest.
+fn roll(source: &PortraitSource<'_>, poser: &Poser<'_>) -> Result<Roll, PortraitError> {
+    let screen = Screen::new(&source.camera, Projection::Perspective);
+    let pivot = screen.place(poser.pivot()).ok_or_else(|| {
+        refuse(
+            "head",
+            "the pivot of the head is behind the camera; move the camera away",
+        )
+    })?;
+    let depth = source.camera.view(poser.pivot()).z;
+    let rest = HeadPose::default();
+    let corners = project(&poser.skin(rest, &[]), &source.camera, rest)?;
+    let tilt = |share: &f32| (share * 255.0).round() as u8;
+    Ok(Roll {
+        tilts: poser.shares().iter().map(tilt).collect(),
+        depths: corners.iter().map(|c| depth_steps(depth, c.w)).collect(),
+        blends: matches!(&source.head, Head::Joints(joints) if joints.len() == 1),
+        pivot,
     })
 }
 

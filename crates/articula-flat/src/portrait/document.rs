@@ -5,8 +5,9 @@
 
 use super::error::{PortraitError, refuse};
 use super::pose_grid::{ExpressionTable, Quantised};
+use super::roll::Roll;
 use super::views::View;
-use super::{Portrait, PortraitClip};
+use super::{Portrait, PortraitClip, PortraitInput};
 use crate::error::PictureError;
 use crate::markup::quoted;
 use crate::picture::Picture;
@@ -81,14 +82,21 @@ impl Portrait {
     pub(crate) fn to_json(&self, format: PictureFormat) -> Result<String, PortraitError> {
         let mut out = String::from("{\n\"format\":\"articula-portrait\",\"version\":1,\n");
         let (width, height) = self.size;
-        let (x, y) = (number(self.pivot.x)?, number(self.pivot.y)?);
+        let Roll {
+            tilts,
+            depths,
+            blends,
+            pivot,
+        } = &self.roll;
+        let (x, y) = (number(pivot.x)?, number(pivot.y)?);
         let _ = write!(
             out,
             "\"size\":[{width},{height}],\"pivot\":[{x},{y}],\n\"vertices\":{},\n\
-             \"triangles\":{},\n\"tilts\":{},\n",
+             \"triangles\":{},\n\"tilts\":{},\"depths\":{},\"blends\":{blends},\n",
             numbers(self.mesh.vertices.iter().map(|v| v.to_le_bytes())),
             shorts(self.mesh.triangles.iter().flatten()),
-            numbers(self.tilts.iter().map(|t| [*t])),
+            numbers(tilts.iter().map(|t| [*t])),
+            numbers(depths.iter().map(|d| d.to_le_bytes())),
         );
         let views = self.views.iter().zip(&self.layers.of_view);
         let views = views.zip(self.picture_names(format));
@@ -104,7 +112,12 @@ impl Portrait {
         });
         let _ = writeln!(out, "\"sectors\":{},", list(sectors)?);
         let clips = self.clips.iter().map(clip_json);
-        let _ = write!(out, "\"clips\":{}\n}}\n", list(clips)?);
+        let _ = write!(out, "\"clips\":{}", list(clips)?);
+        if !self.inputs.is_empty() {
+            let inputs: Result<Vec<String>, _> = self.inputs.iter().map(input_json).collect();
+            let _ = write!(out, ",\n\"inputs\":{{{}}}", inputs?.join(","));
+        }
+        out.push_str("\n}\n");
         Ok(out)
     }
 
@@ -185,6 +198,12 @@ fn clip_json(clip: &PortraitClip) -> Result<String, PortraitError> {
         names.join(","),
         numbers(weights.map(i16::to_le_bytes)),
     ))
+}
+
+fn input_json(input: &PortraitInput) -> Result<String, PortraitError> {
+    let pair = |(fap, value): &(u8, f32)| Ok(format!("[{fap},{}]", number(*value)?));
+    let faps = list(input.faps.iter().map(pair))?;
+    Ok(format!("{}:{faps}", quoted(&input.name)))
 }
 
 /// Encodes a picture.

@@ -13,7 +13,7 @@
 //! Private modules: `flat_mesh`, the 2D mesh; `visibility`, its layers in each view; `views`, the
 //! view pictures; `view_weights`, the weight of each view for a triangle; `pose_grid`, positions of
 //! the vertices for any head angle and expression; `paint_order`, painting orders for ranges of
-//! yaw; `sealing`, underlap of edges; `raster`, rendering without a browser; `evaluate`, the error
+//! yaw; `roll`, turns in the plane of the picture; `sealing`, underlap of edges; `raster`, rendering without a browser; `evaluate`, the error
 //! against a render of the 3D figure.
 
 mod build;
@@ -29,6 +29,7 @@ mod paint_order;
 mod pose_grid;
 mod posing;
 mod raster;
+mod roll;
 mod sealing;
 mod source;
 mod view_weights;
@@ -43,6 +44,6 @@ pub use clip::PortraitClip;
 pub use document::PictureFormat;
 pub use error::PortraitError;
 pub use head::{Head, HeadPose, JointTurn, PortraitExpression};
-pub use model::{Portrait, PortraitCounts};
+pub use model::{Portrait, PortraitCounts, PortraitInput};
 pub use page::{EmbeddedFile, PageOptions, page};
 pub use source::{PortraitOptions, PortraitSource};

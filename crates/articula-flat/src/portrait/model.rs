@@ -6,6 +6,7 @@ use super::flat_mesh::FlatMesh;
 use super::head::HeadPose;
 use super::paint_order::Sector;
 use super::pose_grid::PoseGrid;
+use super::roll::Roll;
 use super::views::View;
 use super::visibility::Layers;
 use glam::Vec2;
@@ -23,14 +24,24 @@ pub struct Portrait {
     pub(crate) layers: Layers,
     /// Positions of the vertices by head angle and expression.
     pub(crate) grid: PoseGrid,
-    /// Part of a roll that each vertex takes, 0 to 255.
-    pub(crate) tilts: Vec<u8>,
-    /// Centre of roll, pixels.
-    pub(crate) pivot: Vec2,
+    /// How the vertices follow a roll.
+    pub(crate) roll: Roll,
     /// Painting orders, ascending by yaw.
     pub(crate) sectors: Vec<Sector>,
     /// Motions of the portrait.
     pub clips: Vec<PortraitClip>,
+    /// What it can be driven by besides its expressions.
+    pub inputs: Vec<PortraitInput>,
+}
+
+/// A name by which a portrait is driven that is not one of its expressions, such as a blend shape or a
+/// viseme: it stands for facial animation parameters, which expressions show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PortraitInput {
+    /// Name of the input.
+    pub name: String,
+    /// Numbers of the parameters, and their values in their units at weight 1.
+    pub faps: Vec<(u8, f32)>,
 }
 
 /// Numbers of views, triangles, vertices and expressions of a portrait.
@@ -57,16 +68,17 @@ impl Portrait {
         }
     }
 
-    /// Positions of all vertices in pixels. One weight per expression; missing ones are 0.
+    /// Returns the vertex of the figure's mesh that each vertex of the 2D mesh is.
+    pub fn vertices(&self) -> &[u32] {
+        &self.mesh.vertices
+    }
+
+    /// Returns the positions of all vertices in pixels. One weight per expression; missing ones are 0.
     ///
     /// # Errors
     /// [`PortraitError::Mismatch`] if an angle or weight is not finite, or there are more weights
     /// than expressions.
-    pub(crate) fn places(
-        &self,
-        pose: &HeadPose,
-        weights: &[f32],
-    ) -> Result<Vec<Vec2>, PortraitError> {
+    pub fn places(&self, pose: &HeadPose, weights: &[f32]) -> Result<Vec<Vec2>, PortraitError> {
         if !pose.is_finite() {
             return Err(refuse("pose", "the angles must be finite"));
         }
@@ -82,11 +94,9 @@ impl Portrait {
         }
         let mut places = self.grid.places(pose, weights);
         if pose.roll_degrees != 0.0 {
-            for (place, tilt) in places.iter_mut().zip(&self.tilts) {
-                // The picture's y axis points down, so counter-clockwise is a negative angle.
-                let angle = -pose.roll_degrees.to_radians() * f32::from(*tilt) / 255.0;
-                *place = self.pivot + Vec2::from_angle(angle).rotate(*place - self.pivot);
-            }
+            let (width, height) = self.size;
+            let middle = 0.5 * Vec2::new(width as f32, height as f32);
+            self.roll.turn(&mut places, pose.roll_degrees, middle);
         }
         Ok(places)
     }

@@ -125,9 +125,27 @@ const start = async () => {
   Object.defineProperty(window, "articulaFrames", { get: () => face.frames });
   window.articulaPortrait = face;
   window.articulaSeek = (seconds) => face.seek(seconds);
+  // The page around this one, or the one that opened it, drives the face by messages; of several between two
+  // pictures the last is shown.
+  let message = null;
+  const drive = () => {
+    face.stop();
+    face.drive(message);
+    face.frames += 1;
+    message = null;
+  };
+  window.addEventListener("message", ({ data, source }) => {
+    if (data?.articula !== "face" || ![window, window.parent, window.opener].includes(source)) return;
+    if (message === null) requestAnimationFrame(drive);
+    message = data;
+  });
   if (json.clips.length > 0 && !audio) face.play(0);
   else if (json.clips.length > 0) face.show(0);
   else face.running = requestAnimationFrame(sweep);
+  const names = { shapes: json.expressions.map((e) => e.name), inputs: Object.keys(json.inputs ?? {}), faps: [...face.intervals.keys()] };
+  for (const host of [window.parent, window.opener]) {
+    if (host && host !== window) host.postMessage({ articula: "ready", ...names }, "*");
+  }
 };
 
 window.articulaReady = start();

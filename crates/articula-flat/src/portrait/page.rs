@@ -35,7 +35,8 @@ pub struct PageOptions {
 /// Returns an HTML page that plays the first clip, or sweeps the head from side to side without
 /// one.
 ///
-/// `window.articulaSeek(seconds)` shows a time, and `window.articulaFrames` counts painted frames.
+/// `window.articulaSeek(seconds)` shows a time, `window.articulaFrames` counts painted frames, and messages
+/// of the window around it drive the face (`docs/formats/portrait.md`).
 ///
 /// # Errors
 /// As [`Portrait::to_files`].
@@ -44,7 +45,7 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
     let _ = writeln!(out, "<title>{}</title>", escaped(&options.title));
     let _ = write!(
         out,
-        "<meta name=\"viewport\" content=\"width=device-width\">\n<style>\n{STYLE}</style>\n"
+        "<meta name=\"viewport\" content=\"width=device-width\">\n{POLICY}<style>\n{STYLE}</style>\n"
     );
     if options.controls {
         let title = escaped(&options.title);
@@ -105,6 +106,10 @@ fn uri(file: &EmbeddedFile) -> String {
 fn attribute(text: &str) -> String {
     format!("\"{}\"", escaped(text))
 }
+
+/// Nothing is loaded from elsewhere, and nothing is sent.
+const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; \
+     media-src data:; script-src 'unsafe-inline'; style-src 'unsafe-inline'\">\n";
 
 const STYLE: &str = include_str!("page.css");
 

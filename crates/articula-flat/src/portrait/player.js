@@ -3,12 +3,16 @@
 //   const face = new ArticulaPortrait(canvas, json, images);   // images: one for each view
 //   face.pose({ yaw: 20, pitch: 5, roll: 0 }, { jawOpen: 0.4, eyeBlinkLeft: 1 });
 //   face.play("talk", { audio });                              // audio is an option: the clock
+//   face.drive({ faps: { 3: 400, 49: 20000 }, shapes: { eyeBlinkLeft: 1 }, visemes: { aa: 0.5 } });
 //
 // Further options of the constructor: `background`, a picture, and `scale`, pixels of the canvas in one of the
 // document.
 //
 // Angles are in degrees: yaw towards the figure's left, pitch down, roll counter-clockwise.
 "use strict";
+
+/** Facial animation parameters with one direction, whose values are not below 0. */
+const ONE_SIDED = new Set([3, 14, 41, 42, 47]);
 
 class ArticulaPortrait {
   constructor(canvas, json, images, { background = null, scale = 1 } = {}) {
@@ -23,6 +27,7 @@ class ArticulaPortrait {
     this.triangles = new Uint16Array(bytes(json.triangles));
     this.count = this.triangles.length / 3;
     this.tilts = new Uint8Array(bytes(json.tilts));
+    this.depths = new Int8Array(bytes(json.depths ?? btoa("\0".repeat(this.tilts.length))));
     this.coefficients = new Float32Array(bytes(json.grid.coefficients));
     const scaled = (steps, step) => Float32Array.from(steps, (s) => s * step);
     this.rest = json.grid.rest.map((m) => scaled(new Int16Array(bytes(m.steps)), m.scale));
@@ -33,6 +38,8 @@ class ArticulaPortrait {
       return { vertices, modes: e.scales.map((_, k) => mode(k)) };
     });
     this.byName = new Map(json.expressions.map((e, i) => [ArticulaPortrait.fold(e.name), i]));
+    this.inputs = new Map(Object.entries(json.inputs ?? {}).map(([name, faps]) => [ArticulaPortrait.fold(name), faps]));
+    this.intervals = ArticulaPortrait.intervals(json.expressions.map((e) => e.name));
     this.sectors = json.sectors.map((s) => ({ from: s.from, order: new Uint16Array(bytes(s.order)) }));
     this.clips = json.clips.map((c) => ({
       ...c,
@@ -53,6 +60,74 @@ class ArticulaPortrait {
   /** Names of both spellings (`eyeBlinkLeft`, `eyeBlink_L`) are one. */
   static fold(name) {
     return name.toLowerCase().replace(/_?left$/, "_l").replace(/_?right$/, "_r");
+  }
+
+  /**
+   * The expressions of facial animation parameters, by the number of the parameter: `fap19_270_540` is what FAP 19
+   * adds between 270 and 540 units.
+   */
+  static intervals(names) {
+    const all = new Map();
+    names.forEach((name, expression) => {
+      const [, fap, from, to] = (/^fap(\d+)_(-?\d+)_(-?\d+)$/.exec(name) ?? []).map(Number);
+      if (fap) all.set(fap, [...(all.get(fap) ?? []), { from, to, expression }]);
+    });
+    for (const [fap, own] of all) {
+      for (const part of own) {
+        // A single part from 0 is straight on both sides, unless the parameter has one; of several the outermost goes on.
+        part.least = own.length === 1 && part.from === 0 && !ONE_SIDED.has(fap) ? -Infinity : 0;
+        part.most = own.some(({ from }) => from === part.to) ? 1 : Infinity;
+      }
+    }
+    return all;
+  }
+
+  /**
+   * Shows a face given by any of: `faps`, values by the numbers of the parameters or a list that begins with FAP 1;
+   * `shapes`, weights by the names of blend shapes; `visemes`, weights by PP, FF, …; `head`, angles in degrees. They
+   * add up. Returns the names that nothing of the portrait shows.
+   */
+  drive({ faps = {}, shapes = {}, visemes = {}, head = {} } = {}) {
+    const weights = new Array(this.expressions.length).fill(0);
+    const values = new Map();
+    const missing = [];
+    const add = (fap, value) => values.set(fap, (values.get(fap) ?? 0) + value);
+    const name = (name, weight) => {
+      const key = ArticulaPortrait.fold(name);
+      const own = (this.byName.has(key) ? [key] : [`${key}_l`, `${key}_r`]).filter((k) => this.byName.has(k));
+      for (const one of own) weights[this.byName.get(one)] += weight;
+      if (own.length === 0 && !this.inputs.has(key)) missing.push(name);
+      else if (own.length === 0) for (const [fap, value] of this.inputs.get(key)) add(fap, value * weight);
+    };
+    const each = (list, act) => Object.entries(list ?? {}).forEach(([key, v]) => Number.isFinite(v) && v && act(key, v));
+    each(faps, (key, value) => add(Array.isArray(faps) ? Number(key) + 1 : Number(key), value));
+    each(shapes, name);
+    each(visemes, (viseme, weight) => viseme !== "sil" && name(`viseme_${viseme}`, weight));
+    const [pitch, yaw, roll] = [48, 49, 50].map((fap) => values.get(fap) ?? 0);
+    const pose = ArticulaPortrait.turned(pitch, yaw, roll);
+    each(head, (axis, degrees) => (pose[axis] += degrees));
+    for (const [fap, value] of values) {
+      const parts = this.intervals.get(fap) ?? [];
+      for (const { from, to, expression, least, most } of parts) {
+        weights[expression] += Math.min(Math.max((value - from) / (to - from), least), most);
+      }
+      if (parts.length === 0 && (fap < 48 || fap > 50)) missing.push(`fap${fap}`);
+    }
+    this.driven = { pose, weights };
+    this.draw(pose, weights);
+    return missing;
+  }
+
+  /** FAP 48 to 50, in units of 1e-5 rad: yaw, then pitch, then roll, each about axes that the one before turned. */
+  static turned(...units) {
+    const [[sp, cp], [sy, cy], [sr, cr]] = units.map((unit) => [Math.sin(unit * 1e-5), Math.cos(unit * 1e-5)]);
+    const degrees = (y, x) => (Math.atan2(y, x) * 180) / Math.PI;
+    const up = sy * cr - cy * sp * sr;
+    return {
+      yaw: degrees(up, Math.sqrt(Math.max(1 - up * up, 0))),
+      pitch: degrees(sy * sr + cy * sp * cr, cy * cp),
+      roll: degrees(cp * sr, cy * cr + sy * sp * sr),
+    };
   }
 
   /** Shows a pose. Unknown names do nothing; a name without a side drives both. */
@@ -189,13 +264,16 @@ class ArticulaPortrait {
   }
 
   tilt(places, roll) {
-    const [px, py] = this.json.pivot;
+    const { pivot, size, blends } = this.json;
     for (let v = 0; 2 * v < places.length; v++) {
-      const angle = ((-roll * Math.PI) / 180) * (this.tilts[v] / 255);
+      const part = this.tilts[v] / 255;
+      const angle = ((-roll * Math.PI) / 180) * (blends ? 1 : part);
       const [sin, cos] = [Math.sin(angle), Math.cos(angle)];
+      // The pivot at the depth of the vertex.
+      const [px, py] = pivot.map((p, i) => p + ((p - size[i] / 2) * this.depths[v]) / 256);
       const [x, y] = [places[2 * v] - px, places[2 * v + 1] - py];
-      places[2 * v] = px + cos * x - sin * y;
-      places[2 * v + 1] = py + sin * x + cos * y;
+      const turned = [px + cos * x - sin * y, py + sin * x + cos * y];
+      for (const i of [0, 1]) places[2 * v + i] += (blends ? part : 1) * (turned[i] - places[2 * v + i]);
     }
   }
 

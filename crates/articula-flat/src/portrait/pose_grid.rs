@@ -7,11 +7,13 @@
 //! independent of the numbers of vertices and expressions.
 
 use super::head::HeadPose;
-use crate::low_rank::{dot, modes};
+use crate::low_rank::modes;
 use glam::Vec2;
 
-/// Maximum number of modes; turning heads need four to seven.
-const MAX_MODES: usize = 12;
+/// Maximum number of modes; turning heads need four to seven, those with a face animation table more.
+const MAX_MODES: usize = 16;
+/// Greatest error of a position, by the tolerance of the root mean square.
+const GREATEST: f64 = 3.0;
 /// Offsets smaller than this at every node are omitted, pixels.
 const STILL_PX: f32 = 0.02;
 
@@ -62,8 +64,9 @@ pub(crate) struct Samples {
 }
 
 impl PoseGrid {
-    /// Reduces samples to the fewest modes whose root mean square error is within the tolerance, at
-    /// rest and for every expression, and quantises them.
+    /// Reduces samples to the fewest modes whose root mean square error is within the tolerance, and whose
+    /// greatest error is within three times as much, at rest and for every expression, and quantises
+    /// them.
     pub(crate) fn new(samples: &Samples, tolerance_px: f32) -> Self {
         let vertices = samples.rest.first().map_or(0, Vec::len);
         let moved: Vec<Vec<u32>> = samples
@@ -75,7 +78,7 @@ impl PoseGrid {
         let all = modes(&rows, MAX_MODES);
         let columns = project_rows(&rows, &all);
         let groups = groups(vertices, &moved);
-        let rank = fewest(&rows, &columns, &groups, f64::from(tolerance_px));
+        let rank = fewest(&rows, &all, &columns, &groups, f64::from(tolerance_px));
         let mut coefficients = Vec::with_capacity(rows.len() * (rank + 1));
         for (row, offset) in offsets.iter().enumerate() {
             coefficients.push(*offset as f32);
@@ -233,29 +236,35 @@ fn project_rows(rows: &[Vec<f64>], modes: &[Vec<f64>]) -> Vec<Vec<f64>> {
     modes.iter().map(project).collect()
 }
 
-/// Minimum number of modes that keeps the error of every group within the tolerance.
+/// Minimum number of modes that keeps the errors of every group within the tolerance.
 fn fewest(
     rows: &[Vec<f64>],
+    modes: &[Vec<f64>],
     columns: &[Vec<f64>],
     groups: &[std::ops::Range<usize>],
     tolerance: f64,
 ) -> usize {
-    let energy = |values: &[Vec<f64>], at: &std::ops::Range<usize>| -> f64 {
-        values
-            .iter()
-            .map(|v| dot(&v[at.clone()], &v[at.clone()]))
-            .sum()
-    };
-    let fits = |rank: usize| {
-        groups.iter().filter(|g| !g.is_empty()).all(|group| {
-            let left = energy(rows, group) - energy(&columns[..rank], group);
-            let count = (rows.len() * group.len()) as f64;
-            left <= tolerance * tolerance * count
-        })
-    };
-    (1..columns.len())
-        .find(|r| fits(*r))
-        .unwrap_or(columns.len())
+    let mut left = rows.to_vec();
+    for (rank, (mode, column)) in modes.iter().zip(columns).enumerate() {
+        for (row, share) in left.iter_mut().zip(mode) {
+            row.iter_mut()
+                .zip(column)
+                .for_each(|(l, c)| *l -= share * c);
+        }
+        if groups.iter().all(|group| fits(&left, group, tolerance)) {
+            return rank + 1;
+        }
+    }
+    modes.len()
+}
+
+/// Whether what is left of a group of columns is within the tolerance.
+fn fits(left: &[Vec<f64>], group: &std::ops::Range<usize>, tolerance: f64) -> bool {
+    let all = || left.iter().flat_map(|row| &row[group.clone()]);
+    let count = left.len() * group.len();
+    let squares: f64 = all().map(|e| e * e).sum();
+    let greatest = all().fold(0.0f64, |most, e| most.max(e.abs()));
+    squares <= tolerance * tolerance * count as f64 && greatest <= GREATEST * tolerance
 }
 
 fn step(values: &[f64], most: f64) -> f64 {

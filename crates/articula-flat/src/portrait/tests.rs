@@ -223,7 +223,7 @@ fn tilting_turns_the_picture_about_the_pivot() {
     let tilted = portrait.places(&roll(90.0), &[]).unwrap();
     for (s, t) in straight.iter().zip(&tilted) {
         // Counter-clockwise as seen: what is right of the pivot moves up, to smaller y.
-        let (s, t) = (*s - portrait.pivot, *t - portrait.pivot);
+        let (s, t) = (*s - portrait.roll.pivot, *t - portrait.roll.pivot);
         assert!((t - Vec2::new(s.y, -s.x)).length() < 1e-3, "{s} {t}");
     }
 }
@@ -361,6 +361,7 @@ fn check(
         Some("string") => value.is_string(),
         Some("integer") => value.is_i64() || value.is_u64(),
         Some("number") => value.is_number(),
+        Some("boolean") => value.is_boolean(),
         other => panic!("{at}: {other:?} is no type that this test knows"),
     };
     assert!(right, "{at}: {value} is no {}", schema["type"]);
@@ -467,11 +468,11 @@ fn a_whole_human_turns_its_head_by_the_neck() {
     };
     let portrait = build(&source, &options, &mut Progress::none()).unwrap();
     // The shoulders stay, the head does not.
-    assert!(portrait.tilts.contains(&0) && portrait.tilts.contains(&255));
+    assert!(portrait.roll.tilts.contains(&0) && portrait.roll.tilts.contains(&255));
     let front = portrait.places(&HeadPose::default(), &[]).unwrap();
     let turned = portrait.places(&HeadPose::yaw(30.0), &[]).unwrap();
     let moved = |tilt: u8| {
-        let both = front.iter().zip(&turned).zip(&portrait.tilts);
+        let both = front.iter().zip(&turned).zip(&portrait.roll.tilts);
         let of = both
             .filter(|(_, t)| **t == tilt)
             .map(|((a, b), _)| a.distance(*b));

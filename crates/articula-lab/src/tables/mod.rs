@@ -20,6 +20,7 @@ pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;
 pub(crate) mod optimize;
+pub(crate) mod portrait_parameters;
 mod pose_keys;
 mod random;
 pub(crate) mod retargets;

@@ -5,9 +5,9 @@ use crate::error::Fault;
 use crate::opening::{open_alone, open_options};
 use crate::progress::{ProgressCallback, run};
 use articula::convert::write;
-use articula::face::{FittedFace, add_face_shapes, fit_capture, fit_face};
+use articula::face::{FittedFace, add_face_shapes, fit_motion};
 use articula::speech::{Sound, SpeechOptions, VisemeTrack, fit_speech};
-use articula::{CharacterFile, Data, DataFormat, Format, open_data};
+use articula::{CharacterFile, DataFormat, Format, open_data};
 use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
@@ -30,12 +30,7 @@ impl Publisher {
         };
         with_face_clip(bytes, name, progress, |character| {
             let read = open_data(motion, motion_name, format, &open_options())?;
-            Ok(match &read.data {
-                Data::LiveLink(capture) => Some(fit_capture(capture, motion_name, character)?),
-                Data::Fap(clip) => Some(fit_face(clip, motion_name, character)?),
-                // Formats that animate no face were refused.
-                Data::Epf(_) | Data::Fdp(_) => None,
-            })
+            fit_motion(&read.data, motion_name, character)
         })
     }
 
@@ -53,7 +48,7 @@ impl Publisher {
             .map_err(|error| Fault::invalid(voice_name, &error.to_string()))?;
         with_face_clip(bytes, name, progress, |character| {
             let track = VisemeTrack::recognised(&sound);
-            fit_speech(&track, voice_name, character, &SpeechOptions::default()).map(Some)
+            fit_speech(&track, voice_name, character, &SpeechOptions::default())
         })
     }
 }
@@ -63,16 +58,15 @@ fn with_face_clip(
     bytes: &[u8],
     name: &str,
     progress: Option<ProgressCallback>,
-    fit: impl FnOnce(&CharacterFile) -> articula::Result<Option<FittedFace>>,
+    fit: impl FnOnce(&CharacterFile) -> articula::Result<FittedFace>,
 ) -> Result<Vec<u8>, JsValue> {
     run(progress, name, |_| {
         let mut character = open_alone(bytes, name)?;
         if !has_face(&character) {
             add_face_shapes(&mut character, &[])?;
         }
-        if let Some(fitted) = fit(&character)? {
-            character.put_clips(vec![fitted.fitted], true);
-        }
+        let fitted = fit(&character)?;
+        character.put_clips(vec![fitted.fitted], true);
         write_as(&character)
     })
 }

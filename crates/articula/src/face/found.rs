@@ -5,6 +5,7 @@ use super::surface::HeadSurface;
 use crate::error::{Error, Result};
 use crate::figure::Figure;
 use articula_build::face::{FacePoints, FaceTable};
+use articula_core::fap_table::TABLE;
 use articula_core::feature_points::PointId;
 use articula_formats::gltf::Document;
 use glam::Vec3;
@@ -52,6 +53,18 @@ impl FoundFace {
     pub(crate) fn table(&self) -> Result<FaceTable> {
         let table = FaceTable::new(&self.head.surface, &self.points);
         table.ok_or_else(|| no_face(&"its feature points lie in a plane"))
+    }
+
+    /// Mean confidence of the feature points that parameters move, 0 to 1.
+    pub(crate) fn confidence(&self) -> f32 {
+        let moved = |point: &PointId| {
+            TABLE
+                .iter()
+                .any(|f| f.action.is_some_and(|a| a.point == *point))
+        };
+        let points = self.points.points.iter().filter(|p| moved(&p.point));
+        let (count, sum) = points.fold((0, 0.0), |(n, sum), p| (n + 1, sum + p.confidence));
+        sum / (count as f32).max(1.0)
     }
 
     /// Units of the face that may be wrong.

@@ -18,8 +18,10 @@
 //! - `measured`: parameters read off a moving face
 //! - `vrma`: VRM animations of expressions
 //! - `fit`: a FAP clip as a clip of a character
+//! - `motion`: any motion of a face that was read from a file
 //! - `levels`: a FAP clip at a level of articulation
 //! - `detail`: error of levels on a head, and their choice by distance
+//! - `with_body`: the parameters of a face that moves with a body
 //! - `driven`: how many parameters a face shows
 
 mod capture;
@@ -35,6 +37,7 @@ mod frames;
 mod joints;
 mod levels;
 mod measured;
+mod motion;
 mod named;
 mod points;
 mod region;
@@ -45,6 +48,7 @@ mod surface;
 mod targets;
 mod turns;
 mod vrma;
+mod with_body;
 
 #[cfg(feature = "speech")]
 pub(crate) use capture::row_values;
@@ -68,10 +72,14 @@ pub(crate) use found::FoundFace;
 pub(crate) use frames::{file_name, rounded};
 pub use levels::{FaceLevelReport, expand_face, reduce_face};
 pub use measured::measure_faps;
+pub use motion::fit_motion;
 pub use named::{NamedTarget, named_controls, rig_face_map};
 pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub(crate) use region::face_vertices;
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{FaceShapes, FaceTableTargets, add_face_shapes, add_face_table};
 pub use surface::HeadSurface;
+#[cfg(feature = "flat")]
+pub(crate) use turns::{Turn, turns};
 pub use vrma::{faps_to_vrma, presets_to_faps};
+pub use with_body::{FaceWithBody, FaceWithBodyRow, face_with_body};

@@ -10,7 +10,7 @@ use glam::{EulerRot, Quat, Vec3};
 
 /// A joint that FAPs turn.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Turn {
+pub(crate) struct Turn {
     /// Index of the joint.
     joint: usize,
     /// FAPs of pitch (positive down), yaw (left) and roll (right).
@@ -21,7 +21,7 @@ pub(super) struct Turn {
 }
 
 /// The head, and the eyes unless a control moves them, of a figure that has such joints.
-pub(super) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
+pub(crate) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
     const PARTS: [(&str, [Option<usize>; 3]); 3] = [
         ("skullbase", [Some(48), Some(49), Some(50)]),
         ("l_eyeball_joint", [Some(25), Some(23), None]),
@@ -52,36 +52,36 @@ pub(super) fn turns(character: &CharacterFile, eyes: bool) -> Vec<Turn> {
 
 impl Turn {
     /// Name of the joint.
-    pub(super) fn name(&self, character: &CharacterFile) -> String {
+    pub(crate) fn name(&self, character: &CharacterFile) -> String {
         character.character().skeleton.joints[self.joint]
             .name
             .clone()
     }
 
     /// Index of the joint.
-    pub(super) fn joint(&self) -> usize {
+    pub(crate) fn joint(&self) -> usize {
         self.joint
     }
 
     /// FAPs of pitch, yaw and roll.
-    pub(super) fn faps(&self) -> [Option<usize>; 3] {
+    pub(crate) fn faps(&self) -> [Option<usize>; 3] {
         self.faps
     }
 
     /// Whether a FAP turns the joint.
-    pub(super) fn has(&self, fap: usize) -> bool {
+    pub(crate) fn has(&self, fap: usize) -> bool {
         self.faps.contains(&Some(fap))
     }
 
     /// Whether the joint moves in any frame.
-    pub(super) fn moves(&self, frames: &[FapValues]) -> bool {
+    pub(crate) fn moves(&self, frames: &[FapValues]) -> bool {
         let faps = self.faps.iter().flatten();
         faps.into_iter()
             .any(|fap| frames.iter().any(|f| f.get(*fap) != 0.0))
     }
 
     /// Yaw, then pitch, then roll, each about the axes that the one before has turned.
-    fn rotation(&self, values: &FapValues) -> Quat {
+    pub(crate) fn rotation(&self, values: &FapValues) -> Quat {
         let [pitch, yaw, roll] = self
             .faps
             .map(|fap| fap.map_or(0.0, |fap| values.get(fap) * ANGLE_UNIT));
@@ -91,7 +91,7 @@ impl Turn {
     }
 
     /// Sets the parameters that turn the joint to a rotation, relative to its parent.
-    pub(super) fn read(&self, rotation: Quat, values: &mut FapValues) {
+    pub(crate) fn read(&self, rotation: Quat, values: &mut FapValues) {
         let turn = self.to_parent.inverse() * rotation * self.rest.inverse() * self.to_parent;
         let (yaw, pitch, roll) = turn.normalize().to_euler(EulerRot::YXZ);
         for (fap, angle) in self.faps.iter().zip([pitch, yaw, roll]) {
@@ -102,7 +102,7 @@ impl Turn {
     }
 
     /// The rotations of all frames.
-    pub(super) fn channel(&self, times_secs: &[f32], frames: &[FapValues]) -> Channel {
+    pub(crate) fn channel(&self, times_secs: &[f32], frames: &[FapValues]) -> Channel {
         Channel {
             target: self.joint,
             property: Property::Rotation,

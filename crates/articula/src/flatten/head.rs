@@ -1,15 +1,22 @@
 //! The head of a character with a camera, as source of a portrait.
 
 use super::expressions::expressions;
+use super::eyes::Eyes;
+use super::inputs::inputs;
 use super::judged::RegionWeights;
 use crate::error::{Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
 use crate::head::{head_joints, head_vertices};
 use articula_build::decimate;
-use articula_core::{Camera, ModelPose, PosedMesh, Region, Viewport, local_to_model};
+use articula_core::{
+    Camera, Clip, ModelPose, PosedMesh, Region, Rig, Viewport, Wrap, angle_between, local_to_model,
+    sample,
+};
 use articula_flat::flatten::JudgedRegion;
-use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSource};
+use articula_flat::portrait::{
+    Head, PortraitClip, PortraitExpression, PortraitInput, PortraitSource,
+};
 use articula_flat::{Appearance, Bounds, tight_view};
 use glam::Vec3;
 
@@ -17,6 +24,9 @@ use glam::Vec3;
 const AROUND: f32 = 0.12;
 /// A vertex belongs to the hands if its weights of their joints exceed this sum.
 const OF_HANDS: f32 = 0.5;
+/// Angle up to which a joint is at rest, radians.
+const STILL: f32 = 1e-3;
+
 /// A head framed by a camera, ready for making a portrait.
 pub struct FramedHead<'a> {
     figure: &'a Figure,
@@ -67,6 +77,10 @@ impl<'a> FramedHead<'a> {
         local_to_model(&asset.rig, asset.rig.rest_pose(), &mut model);
         let camera = before(&bounds, facing(&asset.rig, &model), viewport);
         let has_joints = !joints.is_empty();
+        let joints = match clip {
+            Some(clip) => turned(joints, &asset.clips[clip], &asset.rig),
+            None => joints,
+        };
         let head = if joints.is_empty() {
             let low = bounds.low.y;
             let middle = bounds.middle();
@@ -75,7 +89,7 @@ impl<'a> FramedHead<'a> {
         } else {
             Head::Joints(joints)
         };
-        let expressions = expressions(figure);
+        let mut expressions = expressions(figure);
         if expressions.is_empty() && !has_joints {
             let what = "the file has neither a head joint nor a morph target; give a file with a \
                         face";
@@ -83,10 +97,16 @@ impl<'a> FramedHead<'a> {
         }
         let kept = in_picture(figure, &rest, &camera);
         let triangles = decimate(asset, &kept, clip, triangles, &[])?;
+        let eyes = Eyes::of(&figure.opened);
         let sampled = clip.map(|c| {
-            let weights = &asset.mesh.morph_weights;
-            PortraitClip::sample(&asset.clips[c], &asset.rig, weights, &head, &expressions)
+            let (clip, weights) = (&asset.clips[c], &asset.mesh.morph_weights);
+            let mut sampled = PortraitClip::sample(clip, &asset.rig, weights, &head, &expressions);
+            let of_eyes = eyes.weights(clip, &asset.rig);
+            let frames = sampled.weights.iter_mut().zip(of_eyes);
+            frames.for_each(|(frame, eyes)| frame.extend(eyes));
+            sampled
         });
+        expressions.extend(eyes.expressions());
         Ok(Self {
             figure,
             appearance,
@@ -96,6 +116,12 @@ impl<'a> FramedHead<'a> {
             camera,
             triangles,
         })
+    }
+
+    /// Returns what drives the portrait besides its expressions: with a face animation table the blend
+    /// shapes of ARKit and the visemes that it lacks.
+    pub fn inputs(&self) -> Vec<PortraitInput> {
+        inputs(&self.expressions)
     }
 
     /// Returns the source data of the portrait.
@@ -159,6 +185,25 @@ pub(super) fn vertex_weights(
         JudgedRegion::Body => 1.0,
     };
     regions.iter().zip(features).map(of).collect()
+}
+
+/// The joints that turn the head: the last one alone if a clip turns it and leaves the others at rest, as
+/// facial animation parameters do, else all.
+fn turned(joints: Vec<usize>, clip: &Clip, rig: &Rig) -> Vec<usize> {
+    let (all, rest) = (rig.all(), rig.rest_pose());
+    let mut moves = vec![false; joints.len()];
+    let mut local = rest.clone();
+    for frame in 0..clip.frames() {
+        let time = frame as f64 / f64::from(clip.rate_hz());
+        sample(clip, time, Wrap::Clamp, &all, &mut local);
+        for (moves, joint) in moves.iter_mut().zip(&joints) {
+            *moves |= angle_between(local.rotations[*joint], rest.rotations[*joint]) > STILL;
+        }
+    }
+    match (moves.as_slice(), joints.last()) {
+        ([others @ .., true], Some(last)) if !others.contains(&true) => vec![*last],
+        _ => joints,
+    }
 }
 
 /// A camera in front of the head, with a margin around it.

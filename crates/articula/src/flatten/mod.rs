@@ -5,9 +5,11 @@
 
 mod alternatives;
 mod expressions;
+mod eyes;
 mod features;
 mod framed;
 mod head;
+mod inputs;
 mod judged;
 mod live;
 mod report;

@@ -16,6 +16,8 @@ const LID_STRAIGHT: f32 = 0.75e-3;
 const MOST: i32 = 16;
 /// Largest value of parameters that no blend shape moves.
 const USUAL: i32 = 300;
+/// Largest roll of the tongue, which is an angle: 30°.
+const TONGUE_ROLL: i32 = 52_360;
 /// Ends of the upper lids' range: a closed and a wide eye.
 const LID: [i32; 2] = [1080, -540];
 
@@ -67,8 +69,10 @@ impl FaceTable {
 
 /// Values of a strong expression, above and below 0.
 fn ends(fap: usize) -> [i32; 2] {
-    if matches!(fap, 19 | 20) {
-        return LID;
+    match fap {
+        19 | 20 => return LID,
+        47 => return [TONGUE_ROLL, -TONGUE_ROLL],
+        _ => {}
     }
     let faps = BLEND_SHAPES.iter().flat_map(|shape| shape.faps);
     let own = faps.filter(|(f, _)| {

@@ -5,7 +5,6 @@ mod boxing;
 mod capture;
 mod face;
 mod face_level;
-mod face_shapes;
 mod hygiene;
 mod job;
 mod joint_scheme;
@@ -17,6 +16,7 @@ mod report;
 mod stream;
 
 use crate::arguments::{ReadArgs, finite};
+use crate::commands::face_shapes::FaceShapeArgs;
 use crate::console::Console;
 use crate::table::counted;
 use crate::{fault, files};
@@ -102,7 +102,7 @@ pub(crate) struct ConvertArgs {
     #[command(flatten)]
     stream: stream::StreamArgs,
     #[command(flatten)]
-    shapes: face_shapes::FaceShapeArgs,
+    shapes: FaceShapeArgs,
     #[command(flatten)]
     mesh: mesh::MeshArgs,
     #[command(flatten)]

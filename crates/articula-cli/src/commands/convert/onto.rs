@@ -1,9 +1,9 @@
 //! `convert --onto CHARACTER`: retargets motions of other figures onto one character and reports
 //! their quality.
 
-use super::face_shapes::MadeFace;
 use super::plan::{Input, reads_many};
 use super::{ConvertArgs, face_level};
+use crate::commands::face_shapes::MadeFace;
 use crate::fault::{self, clean};
 use crate::files::{self, Files};
 use crate::open;
@@ -13,9 +13,7 @@ use articula::convert::{
     AddClipsOptions, ContactPinning, FitFinding, FitFindingKind, FittedClip, FootSlideSummary,
     JointShare, RetargetOptions, TransferReport, TransferredClipReport, fit_clips,
 };
-use articula::face::{
-    FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_capture, fit_face,
-};
+use articula::face::{FaceColumns, FaceKind, FaceTransfer, FittedFace, expand_face, fit_motion};
 use articula::formats::{Assumption, Limits, Warning};
 use articula::stream::StreamLimits;
 use articula::stream::abp2::CarriedSkeleton;
@@ -186,26 +184,17 @@ impl Hero {
         format: DataFormat,
         args: &ConvertArgs,
     ) -> anyhow::Result<Motions> {
-        let read = open::data(&input.path, format, &args.names)?;
+        let read = open::face_motion(&input.path, format, &args.names)?;
         let name = files::shown(&input.path);
-        let FittedFace { fitted, report } = match read.data {
-            Data::Fap(mut clip) => {
-                if args.names.settings().skip_first_frame && clip.frames.len() > 1 {
-                    clip.frames.remove(0);
-                }
+        let (data, level) = match read.data {
+            Data::Fap(clip) => {
                 let (clip, level) = face_level::applied(clip, args, expand_face);
-                let mut fitted = fit_face(&clip, &name, &self.opened)?;
-                fitted.report.level = level;
-                fitted
+                (Data::Fap(clip), level)
             }
-            Data::LiveLink(mut capture) => {
-                if args.names.settings().skip_first_frame && capture.frames.len() > 1 {
-                    capture.skip_first_frame();
-                }
-                fit_capture(&capture, &name, &self.opened)?
-            }
-            _ => anyhow::bail!("{name}: {}", format.advice()),
+            other => (other, None),
         };
+        let FittedFace { fitted, mut report } = fit_motion(&data, &name, &self.opened)?;
+        report.level = level;
         let warnings = open::warnings(&read.warnings).into_iter();
         Ok(Motions {
             fitted: vec![fitted],

@@ -3,6 +3,7 @@
 use crate::arguments::{
     CharacterArgs, ReadArgs, field_of_view, finite, not_negative, number, positive, settings, word,
 };
+use crate::commands::face_shapes::FaceShapeArgs;
 use crate::fault;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -15,6 +16,7 @@ Examples:
   articula flatten knight.glb walk.svg --clip Walking_A
   articula flatten knight.glb turn.svg --clip Walking_A --turn-deg 360 --profile player
   articula flatten head.glb head.json --clip talk --profile lottie --max-bytes 400000
+  articula flatten head.glb head.html --motion talk.fap
   articula flatten knight.glb pose.svg --profile thesis --form gouraud --at 0.4
   articula flatten knight.glb knight.png --profile impostor --max-bytes 2000000
   articula flatten knight.glb walk.webp --clip Walking_A
@@ -52,9 +54,6 @@ pub(crate) struct ConvertArgs {
     /// Name of a mesh to keep, leaving out all others (repeatable)
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// JSON file with a custom joint map, tried before the built-in ones (repeatable)
-    #[arg(long, value_name = "F.json")]
-    joint_map: Vec<PathBuf>,
     /// Kind of 2D content [default: lottie if OUT ends in .json, player if in .js, portrait if in
     /// .html, impostor if in .png, else smil]
     #[arg(long, value_enum, value_name = "PROFILE")]
@@ -67,6 +66,10 @@ pub(crate) struct ConvertArgs {
     pub(crate) quality: QualityArgs,
     #[command(flatten)]
     pub(crate) special: SpecialArgs,
+    #[command(flatten)]
+    pub(crate) shapes: FaceShapeArgs,
+    #[command(flatten)]
+    pub(crate) names: ReadArgs,
 }
 
 /// The motion to show.
@@ -76,6 +79,10 @@ pub(crate) struct MotionArgs {
     /// portrait the first, impostor all; the rest pose if there is none]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
+    /// Motion of the face to show instead of a clip: facial animation parameters (.fap, .afp, .fba), a
+    /// capture of Live Link Face (.csv) or a recorded voice (.wav)
+    #[arg(long, value_name = "FILE", conflicts_with = "clip")]
+    pub(crate) motion: Option<PathBuf>,
     /// Whether a clip that travels is shown on the spot
     #[arg(long, value_enum, value_name = "HOW", default_value_t = RootName::Hold)]
     pub(crate) root: RootName,
@@ -124,7 +131,7 @@ pub(crate) struct ShotArgs {
     pub(crate) fov_deg: f32,
     /// Approximate number of triangles after removing those that are never visible [default: 600,
     /// player 1500, or up to four times as many if face, hands or body differ visibly; portrait
-    /// 1000]
+    /// 1000, or up to 3000 if its front differs by more than 12 levels of 255]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     pub(crate) triangles: Option<u32>,
 }
@@ -184,7 +191,8 @@ impl QualityArgs {
 /// Options of single profiles.
 #[derive(Debug, Args)]
 pub(crate) struct SpecialArgs {
-    /// player: animate by the character's morph targets instead of a clip
+    /// player: animate by the character's morph targets instead of a clip; portrait: drive it by facial
+    /// animation parameters, blend shapes of ARKit and visemes too, by a table made for this face
     #[arg(long)]
     pub(crate) live: bool,
     /// portrait: number of pictures of the head, 1, 3 or 5
@@ -289,8 +297,9 @@ impl ConvertArgs {
     /// The files that are read.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
         let special = self.special.background.iter().chain(&self.special.audio);
-        let all = self.file.iter().chain(&self.joint_map).chain(special);
-        all.map(PathBuf::as_path)
+        let faces = self.motion.motion.iter().chain(self.shapes.input());
+        let all = self.file.iter().chain(special).chain(faces);
+        all.map(PathBuf::as_path).chain(self.names.inputs())
     }
 
     /// The file to write.
@@ -310,10 +319,7 @@ impl ConvertArgs {
             file: self.file.clone().unwrap_or_default(),
             hide: self.hide.clone(),
             only: self.only.clone(),
-            names: ReadArgs {
-                joint_map: self.joint_map.clone(),
-                ..ReadArgs::default()
-            },
+            names: self.names.clone(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! `articula flatten FILE OUT`: converts an animated character to 2D and reports size and error.
 
 mod arguments;
+mod face;
 mod frame;
 mod impostor;
 mod moving;
@@ -48,12 +49,13 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         return portrait::run(args, console);
     }
     let mut opened = open::kept(&console.files, &args.character())?;
+    let given = face::give(args, &mut opened, console)?;
     let (ways, faults) = match args.motion.root {
         RootName::Hold => opened.put_in_place(),
         RootName::Travel => Default::default(),
     };
     let figure = Figure::new(opened)?;
-    let clip = match args.motion.clip.as_deref() {
+    let clip = match given.clip(args) {
         Some(name) => figure.clip(Some(name))?,
         None => shown_clip(&figure),
     };
@@ -84,8 +86,10 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let choices = alternative_meshes(&asset.rig, &asset.mesh);
     report.warnings.extend(choices.iter().map(report::choice));
     report.warnings.extend(faults);
-    let motion = report::motion(&figure, clip, is_held);
-    console.result(&report, |report| report::text(report) + &motion)
+    report.warnings.extend(given.warnings.iter().cloned());
+    let motion = report::motion(&figure, clip, is_held) + &given.text();
+    let report = given.with(report);
+    console.result(&report, |told| report::text(&told.report) + &motion)
 }
 
 /// Writes the pictures of an animated SVG as a movie, and reports its size.
@@ -140,7 +144,9 @@ impl ConvertArgs {
         // Whether each flag is given, its name, and the profiles that use it.
         for (is_given, flag, profiles) in [
             (is_exact, "--shading exact", &[P::Still][..]),
-            (special.live, "--live", &[P::Player]),
+            (special.live, "--live", &[P::Player, P::Portrait]),
+            (motion.motion.is_some(), "--motion", &framed),
+            (self.shapes.asks(), "--face-shapes", &framed),
             (special.background.is_some(), "--background", &[P::Portrait]),
             (special.audio.is_some(), "--audio", &[P::Portrait]),
             (special.views != 3, "--views", &[P::Portrait]),

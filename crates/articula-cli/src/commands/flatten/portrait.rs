@@ -1,17 +1,19 @@
 //! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
 
 use super::arguments::ConvertArgs;
+use super::face;
 use crate::console::Console;
 use crate::fault;
 use crate::files::{self, Files};
 use crate::open;
 use anyhow::Context;
+use articula::Figure;
 use articula::core::Progress;
 use articula::core::Viewport;
 use articula::flat::flatten::{FileSize, Representation};
 use articula::flat::portrait::PictureFormat;
 use articula::flat::portrait::{EmbeddedFile, PageOptions, page};
-use articula::flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
+use articula::flat::portrait::{HeadPose, Portrait, PortraitError, PortraitOptions, build};
 use articula::flatten::{FlatBytes, FramedHead, RepresentationReport, surfaces_shown_otherwise};
 use serde::Serialize;
 use std::path::Path;
@@ -21,6 +23,10 @@ const YAWS_DEG: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
 /// Error above which eyes and mouths of a portrait fall apart, levels of 0 to 255. Heads that hold together
 /// have 4 to 24, those whose eyes do not 36 and more.
 const FALLEN_APART_LEVELS: f64 = 30.0;
+/// Numbers of triangles that are tried, the last first, and the error of the front picture with which the first
+/// is taken, levels of 0 to 255: hair and lips with more are ragged.
+const COUNTS_DOWN: [usize; 3] = [3000, 2000, 1000];
+const GOOD_LEVELS: f64 = 12.0;
 /// Maximum size of an embedded picture or sound in bytes.
 const MAX_BYTES: u64 = 64 << 20;
 
@@ -33,6 +39,7 @@ struct PortraitReport {
     triangles: usize,
     vertices: usize,
     expressions: usize,
+    inputs: usize,
     frames: usize,
     size_px: (u32, u32),
     error: Vec<YawError>,
@@ -50,39 +57,28 @@ struct YawError {
 
 /// Makes the portrait, writes it and reports its error.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    let figure = open::figure(&console.files, &args.character())?;
+    let mut opened = open::kept(&console.files, &args.character())?;
+    let mut given = face::give(args, &mut opened, console)?;
+    if args.special.live {
+        face::give_table(&mut opened, &mut given)?;
+    }
+    let figure = Figure::new(opened)?;
     let place = || figure.opened.name().to_owned();
-    let clip = figure.clip(args.motion.clip.as_deref())?;
+    let clip = figure.clip(given.clip(args))?;
     let options = options(args)?;
     if clip.is_none() && args.special.audio.is_some() {
-        let what = "--audio needs a clip with the motion of the mouth; name one with --clip";
+        let what = "--audio needs a clip with the motion of the mouth; name one with --clip, or give --motion";
         return Err(fault::usage(what));
     }
-    let viewport = Viewport {
-        width_px: args.shot.size.0 as f32,
-        height_px: args.shot.size.1 as f32,
-        fov_y_radians: args.shot.fov_deg.to_radians(),
-    };
     let bar = console.progress("making the portrait", 100);
-    let count = args.shot.triangles.unwrap_or(1000) as usize;
-    let shot = FramedHead::new(&figure, clip, count, viewport).with_context(place)?;
-    bar.set_position(30);
-    let portrait = build(&shot.source(), &options, &mut Progress::none()).with_context(place)?;
+    let (shot, portrait) = made(args, &figure, clip, &options).with_context(place)?;
     bar.set_position(70);
     let written = write(args, &portrait, &console.files)?;
-    let mut error = Vec::with_capacity(YAWS_DEG.len());
-    for yaw_deg in YAWS_DEG {
-        let pose = HeadPose {
-            yaw_degrees: yaw_deg,
-            ..HeadPose::default()
-        };
-        let image_rmse_levels = portrait.error(&shot.source(), &options, &pose, &[]);
-        error.push(YawError {
-            yaw_deg,
-            image_rmse_levels: image_rmse_levels.with_context(place)?,
-        });
+    let error = YAWS_DEG.iter().map(|yaw_deg| {
         bar.inc(5);
-    }
+        turned_error(&portrait, &shot, &options, *yaw_deg)
+    });
+    let error: Vec<YawError> = error.collect::<Result<_, _>>().with_context(place)?;
     bar.finish_and_clear();
     let all: Vec<u8> = written
         .iter()
@@ -104,6 +100,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         triangles: counts.triangles,
         vertices: counts.vertices,
         expressions: counts.expressions,
+        inputs: portrait.inputs.len(),
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,
@@ -118,9 +115,60 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             .into_iter()
             .chain(surfaces_shown_otherwise(&figure))
             .chain(warning)
+            .chain(given.warnings.iter().cloned())
             .collect(),
     };
-    console.result(&report, PortraitReport::text)
+    let face = given.text();
+    let report = given.with(report);
+    console.result(&report, |told| told.report.text() + &face)
+}
+
+/// The portrait with as many triangles as asked for, else with the fewest that look like the figure.
+fn made<'a>(
+    args: &ConvertArgs,
+    figure: &'a Figure,
+    clip: Option<usize>,
+    options: &PortraitOptions,
+) -> anyhow::Result<(FramedHead<'a>, Portrait)> {
+    let viewport = Viewport {
+        width_px: args.shot.size.0 as f32,
+        height_px: args.shot.size.1 as f32,
+        fov_y_radians: args.shot.fov_deg.to_radians(),
+    };
+    let with = |count: usize| -> anyhow::Result<_> {
+        let shot = FramedHead::new(figure, clip, count, viewport)?;
+        let mut portrait = build(&shot.source(), options, &mut Progress::none())?;
+        portrait.inputs = shot.inputs();
+        Ok((shot, portrait))
+    };
+    if let Some(count) = args.shot.triangles {
+        return with(count as usize);
+    }
+    let [last, fewer @ ..] = COUNTS_DOWN;
+    for count in fewer.into_iter().rev() {
+        let (shot, portrait) = with(count)?;
+        if turned_error(&portrait, &shot, options, 0.0)?.image_rmse_levels <= GOOD_LEVELS {
+            return Ok((shot, portrait));
+        }
+    }
+    with(last)
+}
+
+/// The error of the portrait with its head turned.
+fn turned_error(
+    portrait: &Portrait,
+    shot: &FramedHead<'_>,
+    options: &PortraitOptions,
+    yaw_deg: f32,
+) -> Result<YawError, PortraitError> {
+    let pose = HeadPose {
+        yaw_degrees: yaw_deg,
+        ..HeadPose::default()
+    };
+    Ok(YawError {
+        yaw_deg,
+        image_rmse_levels: portrait.error(&shot.source(), options, &pose, &[])?,
+    })
 }
 
 /// A warning, if the portrait is far from the figure.

@@ -17,7 +17,8 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Flags of bodies, which do not apply to faces.
-pub(super) const BODY_ALONE: [&str; 11] = [
+pub(super) const BODY_ALONE: [&str; 12] = [
+    "face",
     "method",
     "loa",
     "loa_profile",

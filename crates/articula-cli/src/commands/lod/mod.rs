@@ -5,6 +5,7 @@ mod moving_camera;
 mod report;
 mod schedule;
 mod stream;
+mod with_face;
 
 use crate::arguments::{CharacterArgs, ViewArgs, file, not_negative, number, positive, settings};
 use crate::console::Console;
@@ -57,6 +58,10 @@ pub(crate) struct LodArgs {
     /// stream (.abp), the character on which its tiers and groups are measured
     #[arg(long, value_name = "CHARACTER", conflicts_with_all = face::BODY_ALONE)]
     onto: Option<PathBuf>,
+    /// Motion of the face beside the clip (.fap, .afp, .fba): as few parameters are kept at each distance as
+    /// the error of the head by the method leaves room for, under --calibrate [default: 1]
+    #[arg(long, value_name = "F.fap", conflicts_with_all = ["camera_path", "schedule"])]
+    face: Option<PathBuf>,
     /// Write the selected joints as a LoA profile, loa-profile=F.json; or of a FAP file the clip with
     /// the parameters alone that the error at one distance asks for, fap=F.fap
     #[arg(long, value_name = "KEY=FILE,…", value_parser = written_files)]
@@ -166,6 +171,9 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         console.work(|work| scene.tables(&methods, args.distances(), args.tuning(), work))?;
     let mut report = LodReport::new(&scene, args, &tables);
     report.written.extend(saved);
+    if let Some(path) = &args.face {
+        report.face = Some(with_face::measured(args, path, &figure, &tables)?);
+    }
     if let Some(path) = &args.plot {
         write_plots(&scene, &tables, path, &mut report, &console.files)?;
     }
@@ -186,6 +194,7 @@ impl LodArgs {
             &self.camera_path,
             &self.schedule,
             self.method.selection.input(),
+            &self.face,
         ];
         let own = own.into_iter().flatten().map(PathBuf::as_path);
         self.character.inputs().chain(own)

@@ -1,12 +1,13 @@
 //! The report of `lod`; its field names are stable (`docs/commands.md`).
 
-use super::LodArgs;
+use super::{LodArgs, with_face};
 use crate::fault::clean;
 use crate::open;
 use crate::table::{Table, warnings};
 use articula::evaluate::{
     Costs, ErrorPx, EvaluatedClip, MethodRow, MethodTable, PathSummary, ScheduleReport,
 };
+use articula::face::FaceWithBody;
 use articula::{Figure, MotionTables};
 use clap::ValueEnum;
 use serde::Serialize;
@@ -36,6 +37,9 @@ pub(super) struct LodReport {
     /// Schedules only: one entry for each kind of transition, that of the flags first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) schedule: Option<Vec<ScheduleReport>>,
+    /// The face beside the body, with `--face` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) face: Option<FaceWithBody>,
     /// Costs by zone, depth and complexity, where they are plotted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) costs: Option<Costs>,
@@ -153,6 +157,7 @@ impl LodReport {
             text.push('\n');
             text.push_str(&rows.text());
         }
+        text.extend(self.face.iter().map(with_face::text));
         if let Some(path) = &self.camera_path {
             let bound = path.bound_px;
             let bound = bound.map_or("no bound".to_owned(), |px| format!("bound {px:.2} px"));

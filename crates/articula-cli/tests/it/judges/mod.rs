@@ -24,8 +24,14 @@ pub(crate) fn ask(script: &str, words: &[String]) -> (String, bool) {
 
 /// The same for a script that reads its job from standard input.
 pub(crate) fn ask_on(script: &str, job: &str) -> (String, bool) {
+    ask_on_words(script, &[], job)
+}
+
+/// The same with arguments.
+pub(crate) fn ask_on_words(script: &str, words: &[String], job: &str) -> (String, bool) {
     let mut node = Command::new("node")
         .arg(oracle_folder().join(script))
+        .args(words)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

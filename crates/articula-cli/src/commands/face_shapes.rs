@@ -1,4 +1,4 @@
-//! `convert --face-shapes`: morph targets for a face, made from its feature points.
+//! `--face-shapes` of `convert` and `flatten`: morph targets for a face, made from its feature points.
 
 use crate::open::face_points;
 use articula::CharacterFile;
@@ -8,9 +8,9 @@ use std::path::PathBuf;
 
 /// Flags about the morph targets of a face.
 #[derive(Debug, Clone, Default, Args)]
-pub(super) struct FaceShapeArgs {
-    /// Give the face morph targets, made from its feature points; with --onto, the face of that
-    /// character [default without a value: arkit]
+pub(crate) struct FaceShapeArgs {
+    /// Give the face morph targets, made from its feature points; with convert --onto, the face of
+    /// that character [default without a value: arkit]
     #[arg(long, value_enum, value_name = "KIND", num_args = 0..=1, require_equals = true,
           default_missing_value = "arkit")]
     face_shapes: Option<ShapesName>,
@@ -32,24 +32,24 @@ enum ShapesName {
 
 /// What was made for a face.
 #[derive(Debug, Clone, Default)]
-pub(super) struct MadeFace {
-    pub(super) shapes: Option<FaceShapes>,
-    pub(super) table: Option<FaceTableTargets>,
+pub(crate) struct MadeFace {
+    pub(crate) shapes: Option<FaceShapes>,
+    pub(crate) table: Option<FaceTableTargets>,
 }
 
 impl FaceShapeArgs {
     /// The file that is read, if any.
-    pub(super) fn input(&self) -> Option<&PathBuf> {
+    pub(crate) fn input(&self) -> Option<&PathBuf> {
         self.face_points.as_ref()
     }
 
     /// Whether morph targets are asked for.
-    pub(super) fn asks(&self) -> bool {
+    pub(crate) fn asks(&self) -> bool {
         self.face_shapes.is_some()
     }
 
     /// Adds the morph targets, if they are asked for.
-    pub(super) fn add(&self, opened: &mut CharacterFile) -> anyhow::Result<MadeFace> {
+    pub(crate) fn add(&self, opened: &mut CharacterFile) -> anyhow::Result<MadeFace> {
         let mut made = MadeFace::default();
         let Some(name) = self.face_shapes else {
             return Ok(made);
@@ -67,7 +67,7 @@ impl FaceShapeArgs {
 }
 
 /// Formats what was made.
-pub(super) fn text(shapes: &FaceShapes) -> String {
+pub(crate) fn text(shapes: &FaceShapes) -> String {
     let mut text = format!(
         "face: {} blend shapes over {} vertices, made from its feature points\n",
         shapes.made.len(),
@@ -83,7 +83,7 @@ pub(super) fn text(shapes: &FaceShapes) -> String {
 }
 
 /// Formats what the table shows.
-pub(super) fn table_text(table: &FaceTableTargets) -> String {
+pub(crate) fn table_text(table: &FaceTableTargets) -> String {
     let mut text = format!(
         "face: a table of {} parameters as {} morph targets over {} vertices, made from its feature points\n",
         table.faps.len(),

@@ -1,0 +1,179 @@
+//! Portraits driven while they are shown: `ArticulaPortrait.drive` in node, on documents that `flatten
+//! --live` wrote.
+
+use crate::judges::{ask_on_words, node_is_here};
+use crate::program::{folder, json};
+use articula::build::face::FapInterval;
+use articula::core::fap_table::{LOW_FAPS, TABLE};
+use articula::glam::{EulerRot, Quat};
+use serde_json::{Value, json as object};
+use std::path::Path;
+
+/// A document with a face animation table beside 17 blend shapes.
+fn document(here: &Path) -> Value {
+    let head = format!(
+        "{}/../../assets/glb/ict_head_talk_554.glb",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let words = [
+        "--profile",
+        "portrait",
+        "--triangles",
+        "120",
+        "--size",
+        "64",
+        "--views",
+        "1",
+    ];
+    let report = json(
+        here,
+        &[&["flatten", &head, "a.json", "--live"], &words[..]].concat(),
+    );
+    assert!(report["inputs"].as_u64().unwrap() > 40, "{report}");
+    serde_json::from_slice(&std::fs::read(here.join("a.json")).unwrap()).unwrap()
+}
+
+/// What the player shows for each input.
+fn driven(here: &Path, document: &Value, inputs: &Value) -> Vec<Value> {
+    let player = here.join("player.js").to_string_lossy().into_owned();
+    let job = object!({"json": document, "inputs": inputs}).to_string();
+    let (answer, good) = ask_on_words("portrait.mjs", &[player], &job);
+    assert!(good, "{answer}");
+    serde_json::from_str(&answer).unwrap()
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap().iter();
+    list.map(|n| n.as_f64().unwrap()).collect()
+}
+
+/// Greatest distance of a coordinate.
+fn farthest(a: &Value, b: &Value) -> f64 {
+    let (a, b) = (numbers(&a["places"]), numbers(&b["places"]));
+    let all = a.iter().zip(&b).map(|(a, b)| (a - b).abs());
+    all.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_portrait_takes_parameters_shapes_and_visemes() {
+    if !node_is_here() {
+        return;
+    }
+    let here = folder("live-portrait");
+    let document = document(&here);
+    let list: Vec<i32> = (1..=68).map(|fap| i32::from(fap == 49) * 17_453).collect();
+    let inputs = object!([
+        {},
+        {"faps": {"3": 300}},
+        {"faps": list},
+        {"faps": {"48": 20_000, "49": 30_000, "50": 10_000}},
+        {"head": {"yaw": 10}},
+        {"shapes": {"jawOpen": 0.5}},
+        {"visemes": {"aa": 1}},
+        {"visemes": {"sil": 1}, "shapes": {"none": 1}, "faps": {"1": 4, "3": -200}},
+        {"head": {"roll": 90}},
+        {"head": {"roll": 180}},
+        {"faps": null, "shapes": {"jawOpen": null}, "head": {"yaw": "far"}},
+    ]);
+    let shown = driven(&here, &document, &inputs);
+    let [
+        rest,
+        jaw,
+        left,
+        turned,
+        yaw,
+        open,
+        aa,
+        nothing,
+        quarter,
+        half,
+        wrong,
+    ] = &shown[..]
+    else {
+        panic!("{} answers", shown.len());
+    };
+    for moved in [jaw, left, turned, open, aa] {
+        assert!(farthest(moved, rest) > 0.3, "{}", moved["pose"]);
+    }
+    for whole in [jaw, left, turned, open] {
+        assert_eq!(whole["missing"], object!([]));
+    }
+    // Two points of the lower lip have no vertex of their own on so coarse a mesh.
+    assert_eq!(aa["missing"], object!(["fap10", "fap57"]));
+    for still in [nothing, wrong] {
+        assert!(farthest(still, rest) < 1e-9);
+    }
+    assert_eq!(nothing["missing"], object!(["none", "fap1"]));
+    turned_about_one_centre(&document, rest, quarter, half);
+    // 0.17453 rad are 10 degrees.
+    assert!(farthest(left, yaw) < 1e-3);
+    let angle = |axis: &str| turned["pose"][axis].as_f64().unwrap().to_radians();
+    // Yaw, pitch and roll about turned axes, as the library turns heads.
+    let (roll, yaw, pitch) = Quat::from_euler(EulerRot::YXZ, 0.3, 0.2, 0.1).to_euler(EulerRot::ZYX);
+    for (axis, expected) in [("yaw", yaw), ("pitch", pitch), ("roll", roll)] {
+        assert!((angle(axis) - f64::from(expected)).abs() < 1e-5, "{axis}");
+    }
+}
+
+/// Half a turn tells the centre of each vertex: on the line from the middle of the picture through the pivot,
+/// farther out for nearer vertices. A quarter turn has the same.
+fn turned_about_one_centre(document: &Value, rest: &Value, quarter: &Value, half: &Value) {
+    let [size, pivot] = ["size", "pivot"].map(|name| numbers(&document[name]));
+    let places = [rest, quarter, half].map(|shown| numbers(&shown["places"]));
+    let mut farthest: f64 = 0.0;
+    for v in 0..places[0].len() / 2 {
+        let [a, b, c] = [0, 1, 2].map(|i| [places[i][2 * v], places[i][2 * v + 1]]);
+        let centre = [0.5 * (a[0] + c[0]), 0.5 * (a[1] + c[1])];
+        let from_middle = [0, 1].map(|i| centre[i] - 0.5 * size[i]);
+        let of_pivot = [0, 1].map(|i| pivot[i] - 0.5 * size[i]);
+        let across = from_middle[0] * of_pivot[1] - from_middle[1] * of_pivot[0];
+        assert!(
+            across.abs() < 1e-2 * of_pivot[0].hypot(of_pivot[1]).max(1.0),
+            "{across}"
+        );
+        // What is right of the centre moves up.
+        let (x, y) = (a[0] - centre[0], a[1] - centre[1]);
+        let [right, down] = [b[0] - centre[0], b[1] - centre[1]];
+        assert!((right - y).abs() < 1e-2 && (down + x).abs() < 1e-2);
+        farthest = farthest.max((centre[0] - pivot[0]).hypot(centre[1] - pivot[1]));
+    }
+    assert!(farthest > 0.1 && farthest < 20.0, "{farthest}");
+}
+
+#[test]
+fn the_player_reads_a_table_as_the_library_does() {
+    if !node_is_here() {
+        return;
+    }
+    let here = folder("live-table");
+    let document = document(&here);
+    let names = document["expressions"].as_array().unwrap().iter();
+    let names: Vec<&str> = names.map(|e| e["name"].as_str().unwrap()).collect();
+    let parts: Vec<Option<FapInterval>> = names.iter().map(|n| FapInterval::parse(n)).collect();
+    let table: Vec<FapInterval> = parts.iter().flatten().copied().collect();
+    let shown: Vec<usize> = LOW_FAPS
+        .filter(|f| table.iter().any(|p| p.fap == *f))
+        .collect();
+    assert!(shown.len() > 30, "{shown:?}");
+    let values = [-700, -150, 90, 400, 1500];
+    let one = |fap: &usize| values.map(|value| object!({"faps": {fap.to_string(): value}}));
+    let inputs: Vec<Value> = shown.iter().flat_map(one).collect();
+    let answers = driven(&here, &document, &inputs.into());
+    for (answer, (fap, value)) in answers
+        .iter()
+        .zip(shown.iter().flat_map(|f| values.map(|v| (*f, v))))
+    {
+        let own: Vec<FapInterval> = table.iter().filter(|p| p.fap == fap).copied().collect();
+        for ((part, name), weight) in parts.iter().zip(&names).zip(numbers(&answer["weights"])) {
+            let expected = match part {
+                Some(part) if part.fap == fap => part.weight(value as f32, &own),
+                _ => 0.0,
+            };
+            let of = TABLE[fap - 1].name;
+            assert!(
+                (weight - f64::from(expected)).abs() < 1e-5,
+                "{of} {value}: {name} {weight}"
+            );
+        }
+    }
+}
