@@ -8,6 +8,7 @@
 //! - `surface_use`: how large pictures are on screen
 //! - `report`: what was saved, and the errors
 //! - `kept`: the source itself, where nothing worth an error was saved
+//! - `node_precision`: how far nodes may be rounded
 //! - `merged_joints`: fewer joints in skins
 //! - `fit`, `limits`: the least error at which a file is within limits
 //!
@@ -19,6 +20,7 @@ mod fit;
 mod kept;
 mod limits;
 mod merged_joints;
+mod node_precision;
 mod optimized_clip;
 mod picture_file;
 mod report;
@@ -302,7 +304,7 @@ fn within(
     options: &OptimizeOptions,
     work: &Executor<'_>,
 ) -> Result<Optimized> {
-    let mut precision = MeshPrecision::of(source, bound);
+    let mut precision = MeshPrecision::chosen(source, bound, options.compression)?;
     let mut mesh = source.with_rounded_mesh(&precision)?;
     let most = MeshPrecision::most(source);
     for _ in 0..ROUNDS_OF_MESHES {

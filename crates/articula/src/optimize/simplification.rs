@@ -75,7 +75,7 @@ impl Simplification {
         options: &OptimizeOptions,
     ) -> Result<Saving> {
         let geometry = |source: &Source, bound: f32| -> Result<usize> {
-            let precision = MeshPrecision::of(source, bound);
+            let precision = MeshPrecision::chosen(source, bound, options.compression)?;
             let glb = source.with_meshes(&precision, options.compression)?;
             Ok(BytesByKind::of_glb(&glb).geometry)
         };

@@ -1,6 +1,7 @@
 //! The character before anything is rounded, and files that are written of it.
 
 use super::OptimizeOptions;
+use super::node_precision::node_tolerances;
 use super::optimized_clip::OptimizedClip;
 use super::surface_use::SurfaceUse;
 use super::textures::{TextureOptimized, TextureRun, optimize_textures};
@@ -13,7 +14,8 @@ use articula_build::PosedVertices;
 use articula_core::source::Character;
 use articula_formats::Limits;
 use articula_formats::gltf::{
-    self, ArrayPrecision, BytesByKind, Compression, Document, KeySteps, WeightPrecision,
+    self, ArrayPrecision, BytesByKind, Compression, Document, KeySteps, NodeTolerance,
+    WeightPrecision,
 };
 
 /// Numbers of all keys for each vertex below which they are few.
@@ -66,18 +68,44 @@ impl Shares {
     }
 }
 
-/// Precision of the meshes.
+/// The share of the error for the rounding of each joint at rest. Those of a chain add up.
+const NODE_SHARE: f32 = 0.02;
+
+/// Precision of the meshes, and of the skeleton at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MeshPrecision {
     /// The first step of the positions of each mesh of the document.
     positions: Vec<f32>,
+    /// The first tolerances of the nodes of the document.
+    nodes: Vec<Option<NodeTolerance>>,
+    /// Whether positions of skinned meshes are integers.
+    is_quantized: bool,
     /// How often it was made finer.
     times: usize,
 }
 
 impl MeshPrecision {
+    /// The precision within a bound, with positions as integers where that needs fewer bytes.
+    pub(super) fn chosen(source: &Source, bound: f32, compression: Compression) -> Result<Self> {
+        let floats = Self::of(source, bound)?;
+        if compression == Compression::None || source.character.meshes.is_empty() {
+            return Ok(floats);
+        }
+        let integers = Self {
+            is_quantized: true,
+            ..floats.clone()
+        };
+        let bytes = |precision: &Self| -> Result<usize> {
+            Ok(source.with_meshes(precision, compression)?.len())
+        };
+        Ok(match bytes(&integers)? < bytes(&floats)? {
+            true => integers,
+            false => floats,
+        })
+    }
+
     /// Steps by which no vertex moves more than a share of the bound at rest.
-    pub(super) fn of(source: &Source, bound: f32) -> Self {
+    fn of(source: &Source, bound: f32) -> Result<Self> {
         let document = &source.file.document;
         let rest = source.character.skeleton.model_rest();
         let share = Shares::of(&source.character).rest;
@@ -104,10 +132,12 @@ impl MeshPrecision {
         }
         // Meshes that the character does not show keep their precision.
         let exact = |step: f32| if step.is_finite() { step } else { 0.0 };
-        Self {
+        Ok(Self {
             positions: steps.into_iter().map(exact).collect(),
+            nodes: node_tolerances(source, NODE_SHARE * bound)?,
+            is_quantized: false,
             times: 0,
-        }
+        })
     }
 
     /// The share of the error that a mesh may take.
@@ -118,8 +148,8 @@ impl MeshPrecision {
     /// One step finer.
     pub(super) fn finer(&self) -> Self {
         Self {
-            positions: self.positions.clone(),
             times: self.times + 1,
+            ..self.clone()
         }
     }
 
@@ -132,6 +162,30 @@ impl MeshPrecision {
             3 => (WeightPrecision::TenBits, 0.25),
             more => (WeightPrecision::Exact, 0.25f32.powi(more as i32 - 3)),
         }
+    }
+
+    /// Rounds the nodes of a document, and makes integers of its positions.
+    fn apply(&self, document: &mut Document) -> Result<()> {
+        if !document.is_compressible() {
+            return Ok(());
+        }
+        self.round_nodes(document);
+        if self.is_quantized {
+            let steps = self.arrays(Vec::new()).positions;
+            document.quantise_positions(&steps)?;
+        }
+        Ok(())
+    }
+
+    fn round_nodes(&self, document: &mut Document) {
+        let factor = 0.25f32.powi(self.times as i32);
+        let of_factor = |t: &NodeTolerance| NodeTolerance {
+            translation: factor * t.translation,
+            rotation: factor * t.rotation,
+            scale: factor * t.scale,
+        };
+        let nodes = self.nodes.iter().map(|t| t.as_ref().map(of_factor));
+        document.round_nodes(&nodes.collect::<Vec<_>>());
     }
 
     fn arrays(&self, samplers: Vec<Vec<Option<KeySteps>>>) -> ArrayPrecision {
@@ -208,7 +262,7 @@ impl Source {
         if self.keeps_arrays() {
             return Ok((self, Vec::new()));
         }
-        let is_plain = options.compression == Compression::None;
+        let is_plain = !options.compression.is_of_arrays();
         let height_px = options.textures.screen_height_px;
         let surfaces = match height_px {
             Some(px) => {
@@ -295,7 +349,9 @@ impl Source {
         compression: Compression,
     ) -> Result<Vec<u8>> {
         let arrays = precision.arrays(Vec::new());
-        Ok(self.file.document.write_compressed(compression, &arrays)?)
+        let mut document = self.file.document.clone();
+        precision.apply(&mut document)?;
+        Ok(document.write_compressed(compression, &arrays)?)
     }
 
     /// The file with these clips.
@@ -318,6 +374,7 @@ impl Source {
         });
         let arrays = precision.arrays(samplers.collect());
         document.compact();
+        precision.apply(&mut document)?;
         Ok(document.write_compressed(options.compression, &arrays)?)
     }
 }

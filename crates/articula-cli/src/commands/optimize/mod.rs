@@ -40,7 +40,8 @@ pub(crate) struct OptimizeArgs {
     #[arg(long, value_name = "N", default_value_t = 720.0, value_parser = positive)]
     height_px: f32,
     /// Extension that holds compressed arrays: ext (EXT_meshopt_compression, which viewers and engines
-    /// read), khr (KHR_meshopt_compression, fewer bytes, a release candidate), none
+    /// read), khr (KHR_meshopt_compression, fewer bytes, a release candidate); or no compression, with
+    /// positions of skinned meshes as integers (quantize: KHR_mesh_quantization) or with floats (none)
     #[arg(long, value_enum, value_name = "KIND", default_value_t = Kind::Ext)]
     compress: Kind,
     /// Keep all keys, and round their values alone
@@ -117,6 +118,7 @@ enum Given {
 enum Kind {
     Ext,
     Khr,
+    Quantize,
     None,
 }
 
@@ -212,6 +214,7 @@ impl OptimizeArgs {
             compression: match self.compress {
                 Kind::Ext => Compression::Ext,
                 Kind::Khr => Compression::Khr,
+                Kind::Quantize => Compression::Quantized,
                 Kind::None => Compression::None,
             },
             reduce_keys: !self.no_keys,

@@ -37,8 +37,8 @@ enum Buffer {
     /// Keys and matrices.
     Other,
     Vertices,
-    /// Indices; compressed ones have a stream for each accessor, since those of triangles are stored
-    /// relative to the ones before.
+    /// Indices. Compressed ones are stored relative to those before, from which a list of triangles begins anew
+    /// with the corners 0, 1 and 2; others have a stream for each accessor.
     Indices(Option<usize>),
 }
 
@@ -188,13 +188,16 @@ fn share_samplers(json: &mut Value) {
 impl Array {
     fn kind(&self, compression: Compression) -> Kind {
         let elements = &self.elements;
-        let is_compressed = elements.is_compressible && compression != Compression::None;
+        let is_compressed = elements.is_compressible && compression.is_of_arrays();
         let buffer = match elements.mode {
             Mode::Attributes if self.role.is_of_vertices() && self.part == Part::Whole => {
                 Buffer::Vertices
             }
             Mode::Attributes => Buffer::Other,
-            _ => Buffer::Indices(is_compressed.then_some(self.accessor)),
+            _ => {
+                let is_alone = is_compressed && !elements.begins_anew();
+                Buffer::Indices(is_alone.then_some(self.accessor))
+            }
         };
         Kind {
             buffer,
@@ -309,7 +312,7 @@ impl<'a> Output<'a> {
         }
         let version = match self.compression {
             Compression::Khr => Bitstream::V1,
-            Compression::Ext | Compression::None => Bitstream::V0,
+            Compression::Ext | Compression::Quantized | Compression::None => Bitstream::V0,
         };
         if !is_compressed && layout.mode != Mode::Attributes {
             let corners = bytes.as_chunks::<4>().0.iter();
@@ -404,7 +407,9 @@ impl<'a> Output<'a> {
     fn name(&self) -> &'static str {
         match self.compression {
             Compression::Khr => "KHR_meshopt_compression",
-            Compression::Ext | Compression::None => "EXT_meshopt_compression",
+            Compression::Ext | Compression::Quantized | Compression::None => {
+                "EXT_meshopt_compression"
+            }
         }
     }
 

@@ -1,0 +1,336 @@
+//! Positions of skinned meshes as 16-bit integers.
+//!
+//! A skinned mesh ignores the transform of its node, so what makes lengths of the integers stands in the inverse bind
+//! matrices, which every reader applies. All meshes of a skin, and all skins of a mesh, have one grid.
+//!
+//! Source: KHR_mesh_quantization.
+
+use super::append::{Use, entries_mut, float_bytes, index, object, set};
+use super::compressed::moved_multiples;
+use super::document::Document;
+use super::extension::{CLUSTERED_MESH, FACE, PREPARED};
+use super::place::Place;
+use super::reader::{Notes, Reader};
+use super::vertex_order::VARIANTS;
+use crate::error::ReadError;
+use crate::limits::Limits;
+use glam::{Mat4, Vec3};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+const EXTENSION: &str = "KHR_mesh_quantization";
+/// Extensions with lengths of the mesh in its own space.
+const OF_MESH_SPACE: [&str; 3] = [CLUSTERED_MESH, FACE, PREPARED];
+/// Outlines of MToon are as wide as a bind matrix makes normals long.
+const OF_VRM: &str = "VRM";
+
+/// Meshes and skins that share vertices or bind matrices.
+#[derive(Debug, Default)]
+struct Group {
+    meshes: BTreeSet<usize>,
+    skins: BTreeSet<usize>,
+    /// Accessors of positions, and of offsets by morph targets with those of their positions.
+    positions: BTreeSet<usize>,
+    offsets: BTreeMap<usize, usize>,
+    /// Whether something uses it that has no bind matrices, or uses its arrays for something else.
+    is_refused: bool,
+}
+
+/// A group as integers.
+struct Quantized {
+    arrays: Vec<(usize, Integers)>,
+    /// Inverse bind matrices of each skin.
+    matrices: Vec<(usize, Vec<f32>)>,
+}
+
+/// Integers, three to an element.
+struct Integers(Vec<i32>);
+
+impl Document {
+    /// Stores positions of skinned meshes as multiples of a step of their own, for each mesh, from which half of the
+    /// step along each axis is the greatest distance; offsets by morph targets are rounded with them. Returns the number of
+    /// meshes that were changed.
+    ///
+    /// Meshes that a node shows without a skin, whose arrays are not floats or need more than 16 bits, and documents of
+    /// VRM or with prepared data, stay as they are.
+    ///
+    /// # Errors
+    /// A [`ReadError`] if the document is malformed; it is then unchanged.
+    pub fn quantise_positions(&mut self, steps: &[f32]) -> Result<usize, ReadError> {
+        if self.has_mesh_space() {
+            return Ok(0);
+        }
+        let limits = Limits::default();
+        let mut reader = Reader::new(self, &limits, Notes::default());
+        let mut found = Vec::new();
+        let mut meshes = 0;
+        for group in groups(&reader.root)? {
+            if let Some(made) = quantized(&mut reader, &group, steps)? {
+                meshes += group.meshes.len();
+                found.push(made);
+            }
+        }
+        if found.is_empty() {
+            return Ok(0);
+        }
+        for made in found {
+            self.put_quantized(made);
+        }
+        self.use_extension(EXTENSION);
+        self.require_extension(EXTENSION);
+        Ok(meshes)
+    }
+
+    fn has_mesh_space(&self) -> bool {
+        let used = self.json.get("extensionsUsed").and_then(Value::as_array);
+        let mut names = used.into_iter().flatten().filter_map(Value::as_str);
+        names.any(|name| OF_MESH_SPACE.contains(&name) || name.starts_with(OF_VRM))
+    }
+
+    fn put_quantized(&mut self, made: Quantized) {
+        for (accessor, Integers(numbers)) in made.arrays {
+            let (component, bytes, size) = stored(&numbers);
+            let view = self.add_elements(&bytes, size);
+            let accessor = &mut entries_mut(&mut self.json, "accessors")[accessor];
+            for member in ["byteOffset", "sparse"] {
+                object(accessor).shift_remove(member);
+            }
+            set(accessor, "bufferView", view);
+            set(accessor, "componentType", component);
+            let axis = |axis: usize| numbers.iter().skip(axis).step_by(3);
+            let least: Vec<_> = (0..3).map(|i| axis(i).min()).collect();
+            let most: Vec<_> = (0..3).map(|i| axis(i).max()).collect();
+            set(accessor, "min", json!(least));
+            set(accessor, "max", json!(most));
+        }
+        for (skin, numbers) in made.matrices {
+            let view = self.add_view(&float_bytes(&numbers), Use::Other);
+            let accessor = self.add_accessor(json!({
+                "bufferView": view,
+                "componentType": 5126,
+                "count": numbers.len() / 16,
+                "type": "MAT4",
+            }));
+            let skin = &mut entries_mut(&mut self.json, "skins")[skin];
+            set(skin, "inverseBindMatrices", accessor);
+        }
+    }
+}
+
+/// Component type, bytes and size of the elements of integers: the shortest type that holds them.
+fn stored(numbers: &[i32]) -> (u32, Vec<u8>, usize) {
+    let least = numbers.iter().copied().min().unwrap_or(0);
+    let most = numbers.iter().copied().max().unwrap_or(0);
+    let (component, size) = if least >= -127 && most <= 127 {
+        (5120, 1)
+    } else if least >= 0 {
+        (5123, 2)
+    } else {
+        (5122, 2)
+    };
+    let bytes = numbers
+        .iter()
+        .flat_map(|n| n.to_le_bytes().into_iter().take(size));
+    (component, bytes.collect(), 3 * size)
+}
+
+/// Returns the groups of a document that has meshes of skins.
+fn groups(root: &Place<'_>) -> Result<Vec<Group>, ReadError> {
+    let mut all: Vec<Group> = Vec::new();
+    for (m, mesh) in root.entries("meshes")?.iter().enumerate() {
+        let mut own = Group::default();
+        own.meshes.insert(m);
+        own.add_arrays(mesh)?;
+        own.add_users(root, m)?;
+        let (others, joined): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|group| !own.shares_with(group));
+        all = others;
+        for group in joined {
+            own.join(group);
+        }
+        all.push(own);
+    }
+    let elsewhere = other_uses(root)?;
+    for group in &mut all {
+        let mut arrays = group.positions.iter().chain(group.offsets.keys());
+        let is_both = group.offsets.keys().any(|a| group.positions.contains(a));
+        group.is_refused |= is_both || arrays.any(|a| elsewhere.contains(a));
+    }
+    Ok(all)
+}
+
+impl Group {
+    fn add_arrays(&mut self, mesh: &Place<'_>) -> Result<(), ReadError> {
+        for primitive in mesh.entries("primitives")? {
+            let extensions = primitive.get("extensions").map(|e| e.members());
+            let mut names = extensions.unwrap_or_default().into_iter();
+            self.is_refused |= names.any(|(name, _)| name != VARIANTS);
+            let of = |place: &Place<'_>| index(place.value(), "POSITION");
+            let Some(base) = primitive.get("attributes").as_ref().and_then(of) else {
+                self.is_refused = true;
+                continue;
+            };
+            self.positions.insert(base);
+            for offset in primitive.entries("targets")?.iter().filter_map(of) {
+                self.is_refused |= *self.offsets.entry(offset).or_insert(base) != base;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the skins of the nodes that show a mesh.
+    fn add_users(&mut self, root: &Place<'_>, mesh: usize) -> Result<(), ReadError> {
+        let nodes = root.entries("nodes")?;
+        let users = nodes.iter().map(Place::value);
+        for node in users.filter(|node| index(node, "mesh") == Some(mesh)) {
+            match index(node, "skin") {
+                Some(skin) => {
+                    self.skins.insert(skin);
+                }
+                None => self.is_refused = true,
+            }
+        }
+        Ok(())
+    }
+
+    fn shares_with(&self, other: &Self) -> bool {
+        let has = |a: &usize| other.positions.contains(a) || other.offsets.contains_key(a);
+        !self.skins.is_disjoint(&other.skins)
+            || self.positions.iter().any(has)
+            || self.offsets.keys().any(has)
+    }
+
+    fn join(&mut self, other: Self) {
+        self.meshes.extend(other.meshes);
+        self.skins.extend(other.skins);
+        self.positions.extend(other.positions);
+        for (offset, base) in other.offsets {
+            self.is_refused |= *self.offsets.entry(offset).or_insert(base) != base;
+        }
+        self.is_refused |= other.is_refused;
+    }
+}
+
+/// Accessors that are used for anything but positions.
+fn other_uses(root: &Place<'_>) -> Result<BTreeSet<usize>, ReadError> {
+    let mut out = BTreeSet::new();
+    let mut add = |list: Option<Place<'_>>| {
+        let members = list.map(|list| list.members()).unwrap_or_default();
+        let others = members.into_iter().filter(|(name, _)| *name != "POSITION");
+        out.extend(
+            others
+                .filter_map(|(_, i)| i.whole().ok())
+                .map(|i| i as usize),
+        );
+    };
+    for mesh in root.entries("meshes")? {
+        for primitive in mesh.entries("primitives")? {
+            add(primitive.get("attributes"));
+            for target in primitive.entries("targets")? {
+                add(Some(target));
+            }
+        }
+    }
+    for animation in root.entries("animations")? {
+        for sampler in animation.entries("samplers")? {
+            let of = |key: &str| index(sampler.value(), key);
+            out.extend([of("input"), of("output")].into_iter().flatten());
+        }
+    }
+    Ok(out)
+}
+
+/// A group as integers; `None` if it stays as it is.
+fn quantized(
+    reader: &mut Reader<'_>,
+    group: &Group,
+    steps: &[f32],
+) -> Result<Option<Quantized>, ReadError> {
+    let own = group.meshes.iter().map(|m| steps.get(*m).copied());
+    let step = own.map(|s| s.unwrap_or(0.0)).fold(f32::INFINITY, f32::min);
+    if group.is_refused || group.skins.is_empty() || step <= 0.0 || !step.is_finite() {
+        return Ok(None);
+    }
+    let mut positions = BTreeMap::new();
+    for accessor in &group.positions {
+        let Some(read) = points(reader, *accessor)? else {
+            return Ok(None);
+        };
+        positions.insert(*accessor, read);
+    }
+    let points = || positions.values().flatten();
+    let origin = points().copied().fold(Vec3::INFINITY, Vec3::min);
+    let most = points().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+    let is_short = ((most - origin) / step).max_element() < f32::from(u16::MAX) - 1.0;
+    if !is_short {
+        return Ok(None);
+    }
+    let mut arrays = Vec::new();
+    let in_steps = |p: &Vec3| ((*p - origin) / step).to_array();
+    for (accessor, points) in &positions {
+        let numbers = points.iter().flat_map(in_steps);
+        let whole = numbers.map(|x| x.round() as i32);
+        arrays.push((*accessor, Integers(whole.collect())));
+    }
+    for (offset, base) in &group.offsets {
+        let Some(offsets) = self::points(reader, *offset)? else {
+            return Ok(None);
+        };
+        let base: Vec<f32> = positions[base].iter().flat_map(in_steps).collect();
+        let offsets: Vec<f32> = offsets
+            .iter()
+            .flat_map(|p| (*p / step).to_array())
+            .collect();
+        let is_short = offsets.iter().all(|x| x.abs() < f32::from(i16::MAX) - 1.0);
+        if base.len() != offsets.len() || !is_short {
+            return Ok(None);
+        }
+        arrays.push((*offset, Integers(moved_multiples(&base, &offsets))));
+    }
+    let from_steps = Mat4::from_translation(origin) * Mat4::from_scale(Vec3::splat(step));
+    let mut matrices = Vec::new();
+    for skin in &group.skins {
+        let Some(folded) = folded(reader, *skin, from_steps)? else {
+            return Ok(None);
+        };
+        matrices.push((*skin, folded));
+    }
+    Ok(Some(Quantized { arrays, matrices }))
+}
+
+/// The points of an accessor of floats.
+fn points(reader: &mut Reader<'_>, accessor: usize) -> Result<Option<Vec<Vec3>>, ReadError> {
+    let Some(place) = reader.root.entry("accessors", accessor) else {
+        return Ok(None);
+    };
+    let accessor = reader.accessor_at(place)?;
+    if !accessor.is_float() || accessor.width() != 3 || accessor.count == 0 {
+        return Ok(None);
+    }
+    let floats = reader.floats(&accessor)?;
+    let points = floats.as_chunks::<3>().0.iter();
+    Ok(Some(points.map(|p| Vec3::from_array(*p)).collect()))
+}
+
+/// The inverse bind matrices of a skin, after a matrix.
+fn folded(
+    reader: &mut Reader<'_>,
+    skin: usize,
+    first: Mat4,
+) -> Result<Option<Vec<f32>>, ReadError> {
+    let Some(skin) = reader.root.entry("skins", skin) else {
+        return Ok(None);
+    };
+    let joints = skin.entries("joints")?.len();
+    let read = match skin.get("inverseBindMatrices") {
+        Some(place) => {
+            let accessor = reader.accessor(&place)?;
+            accessor.expect_type(&["MAT4"])?;
+            reader.floats(&accessor)?
+        }
+        None => Mat4::IDENTITY.to_cols_array().repeat(joints),
+    };
+    let matrices = read.as_chunks::<16>().0.iter();
+    let made = matrices.flat_map(|m| (Mat4::from_cols_array(m) * first).to_cols_array());
+    Ok(Some(made.collect()))
+}
