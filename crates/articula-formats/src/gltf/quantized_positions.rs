@@ -24,6 +24,10 @@ const OF_MESH_SPACE: [&str; 3] = [CLUSTERED_MESH, FACE, PREPARED];
 /// Outlines of MToon are as wide as a bind matrix makes normals long.
 const OF_VRM: &str = "VRM";
 
+/// The part of a step by which a rounded number of a bind matrix may move a point; half of it, and as much again for the
+/// numbers of an axis, is the most.
+const BIND_PART: f32 = 0.04;
+
 /// Meshes and skins that share vertices or bind matrices.
 #[derive(Debug, Default)]
 struct Group {
@@ -288,9 +292,10 @@ fn quantized(
         arrays.push((*offset, Integers(moved_multiples(&base, &offsets))));
     }
     let from_steps = Mat4::from_translation(origin) * Mat4::from_scale(Vec3::splat(step));
+    let extent = ((most - origin) / step).element_sum().max(1.0);
     let mut matrices = Vec::new();
     for skin in &group.skins {
-        let Some(folded) = folded(reader, *skin, from_steps)? else {
+        let Some(folded) = folded(reader, *skin, from_steps, extent)? else {
             return Ok(None);
         };
         matrices.push((*skin, folded));
@@ -312,11 +317,12 @@ fn points(reader: &mut Reader<'_>, accessor: usize) -> Result<Option<Vec<Vec3>>,
     Ok(Some(points.map(|p| Vec3::from_array(*p)).collect()))
 }
 
-/// The inverse bind matrices of a skin, after a matrix.
+/// The inverse bind matrices of a skin, after a matrix, as exact as points with a sum of coordinates of `extent` ask.
 fn folded(
     reader: &mut Reader<'_>,
     skin: usize,
     first: Mat4,
+    extent: f32,
 ) -> Result<Option<Vec<f32>>, ReadError> {
     let Some(skin) = reader.root.entry("skins", skin) else {
         return Ok(None);
@@ -331,6 +337,23 @@ fn folded(
         None => Mat4::IDENTITY.to_cols_array().repeat(joints),
     };
     let matrices = read.as_chunks::<16>().0.iter();
-    let made = matrices.flat_map(|m| (Mat4::from_cols_array(m) * first).to_cols_array());
+    let made = matrices.flat_map(|m| rounded(Mat4::from_cols_array(m) * first, extent));
     Ok(Some(made.collect()))
+}
+
+/// A bind matrix of points in steps by which a point moves no more than a part of a step, in numbers of few bits.
+fn rounded(matrix: Mat4, extent: f32) -> [f32; 16] {
+    let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+    let step = axes.iter().map(|axis| axis.length()).fold(0.0, f32::max);
+    let multiple = |x: f32, of: f32| {
+        let power = of.max(f32::MIN_POSITIVE).log2().floor().exp2();
+        let rounded = (x / power).round() * power;
+        if rounded.is_finite() { rounded } else { x }
+    };
+    let numbers = matrix.to_cols_array();
+    std::array::from_fn(|i| match i {
+        3 | 7 | 11 | 15 => numbers[i],
+        12.. => multiple(numbers[i], BIND_PART * step),
+        _ => multiple(numbers[i], BIND_PART * step / extent),
+    })
 }

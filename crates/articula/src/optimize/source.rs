@@ -33,20 +33,20 @@ pub(super) struct Source {
 
 /// Shares of the error for meshes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Shares {
+pub(super) struct Shares {
     /// For the rounding of positions at rest. Halving it costs three bits a vertex.
     rest: f32,
     /// For the rounded mesh in motion, so that keys have the rest.
-    motion: f32,
+    pub(super) motion: f32,
 }
 
 impl Shares {
-    const OF_MOTION: Self = Self {
+    pub(super) const OF_MOTION: Self = Self {
         rest: 0.25,
         motion: 0.8,
     };
     /// Where keys are few, a finer mesh costs more than further keys.
-    const OF_FEW_KEYS: Self = Self {
+    pub(super) const OF_FEW_KEYS: Self = Self {
         rest: 0.5,
         motion: 0.95,
     };
@@ -55,7 +55,7 @@ impl Shares {
         motion: 1.0,
     };
 
-    fn of(character: &Character) -> Self {
+    pub(super) fn of(character: &Character) -> Self {
         let numbers = character.clips.iter().flat_map(|clip| &clip.channels);
         let numbers: usize = numbers.map(|channel| channel.values.len()).sum();
         let primitives = character.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -86,8 +86,13 @@ pub(super) struct MeshPrecision {
 
 impl MeshPrecision {
     /// The precision within a bound, with positions as integers where that needs fewer bytes.
-    pub(super) fn chosen(source: &Source, bound: f32, compression: Compression) -> Result<Self> {
-        let floats = Self::of(source, bound)?;
+    pub(super) fn chosen(
+        source: &Source,
+        bound: f32,
+        shares: Shares,
+        compression: Compression,
+    ) -> Result<Self> {
+        let floats = Self::of(source, bound, shares)?;
         if compression == Compression::None || source.character.meshes.is_empty() {
             return Ok(floats);
         }
@@ -105,10 +110,10 @@ impl MeshPrecision {
     }
 
     /// Steps by which no vertex moves more than a share of the bound at rest.
-    fn of(source: &Source, bound: f32) -> Result<Self> {
+    fn of(source: &Source, bound: f32, shares: Shares) -> Result<Self> {
         let document = &source.file.document;
         let rest = source.character.skeleton.model_rest();
-        let share = Shares::of(&source.character).rest;
+        let share = shares.rest;
         let mut steps = vec![f32::INFINITY; document.mesh_count()];
         for (mesh, node) in source
             .character
@@ -140,9 +145,9 @@ impl MeshPrecision {
         })
     }
 
-    /// The share of the error that a mesh may take.
-    pub(super) fn most(source: &Source) -> f32 {
-        Shares::of(&source.character).motion
+    /// Whether it is finer than its share of the error asks.
+    pub(super) fn is_finer(&self) -> bool {
+        self.times > 0
     }
 
     /// One step finer.
@@ -244,6 +249,12 @@ impl Source {
             file,
             worn: None,
         })
+    }
+
+    /// Number of vertices.
+    pub(super) fn vertices(&self) -> usize {
+        let primitives = self.character.meshes.iter().flat_map(|m| &m.primitives);
+        primitives.map(|p| p.positions.len()).sum()
     }
 
     /// Number of triangles.
@@ -357,7 +368,7 @@ impl Source {
     /// The file with these clips.
     pub(super) fn written(
         &self,
-        clips: &[&OptimizedClip],
+        clips: &[OptimizedClip],
         precision: &MeshPrecision,
         options: &OptimizeOptions,
     ) -> Result<Vec<u8>> {
