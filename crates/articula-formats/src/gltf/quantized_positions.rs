@@ -357,3 +357,145 @@ fn rounded(matrix: Mat4, extent: f32) -> [f32; 16] {
         _ => multiple(numbers[i], BIND_PART * step / extent),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gltf::read;
+    use articula_core::Transform;
+    use articula_core::source::{
+        Character, Joint, MorphTarget, Primitive, RawMesh, Skeleton, Skin,
+    };
+    use glam::{Affine3A, Quat, Vec3Swizzles};
+    use proptest::prelude::*;
+
+    /// Two meshes of one skin with a bind matrix that turns, scales and moves; the first has a morph target.
+    fn character(points: &[Vec3]) -> Character {
+        let joint = |name: &str, parent| Joint {
+            name: name.into(),
+            parent,
+            rest: Transform::IDENTITY,
+            in_skin: true,
+        };
+        let bind = Affine3A::from_scale_rotation_translation(
+            Vec3::splat(2.0),
+            Quat::from_rotation_y(0.7),
+            Vec3::new(0.3, -4.0, 0.1),
+        );
+        let mesh = |name: &str, points: &[Vec3], morphs: Vec<MorphTarget>| RawMesh {
+            name: name.into(),
+            skin: Skin {
+                joints: vec![0, 1],
+                inverse_bind: vec![bind, Affine3A::IDENTITY],
+            },
+            morph_names: morphs.iter().map(|_| "smile".into()).collect(),
+            morph_weights: vec![0.0; morphs.len()],
+            primitives: vec![Primitive {
+                positions: points.to_vec(),
+                influences: 1,
+                joints: (0..points.len()).map(|i| (i % 2) as u16).collect(),
+                weights: vec![1.0; points.len()],
+                triangles: vec![[0, 1, 2]],
+                morphs,
+                ..Primitive::default()
+            }],
+            ..RawMesh::default()
+        };
+        let smile = MorphTarget {
+            positions: points.iter().map(|p| 0.1 * p.zxy()).collect(),
+            ..MorphTarget::default()
+        };
+        Character {
+            skeleton: Skeleton {
+                joints: vec![joint("hips", None), joint("spine", Some(0))],
+            },
+            meshes: vec![
+                mesh("a", points, vec![smile]),
+                mesh("b", &points[..3], Vec::new()),
+            ],
+            ..Character::default()
+        }
+    }
+
+    /// Each vertex at rest, and with its morph target, in the space of its joint.
+    fn posed(character: &Character) -> Vec<Vec3> {
+        let of_mesh = |mesh: &RawMesh| {
+            let part = mesh.primitives[0].clone();
+            let binds = mesh.skin.inverse_bind.clone();
+            let place =
+                move |v: usize, p: Vec3| binds[usize::from(part.joints[v])].transform_point3(p);
+            let part = &mesh.primitives[0];
+            let rest = part.positions.iter().enumerate().map(|(v, p)| place(v, *p));
+            let mut out: Vec<Vec3> = rest.collect();
+            for morph in &part.morphs {
+                let moved = part.positions.iter().zip(&morph.positions).enumerate();
+                out.extend(moved.map(|(v, (p, offset))| place(v, *p + *offset)));
+            }
+            out
+        };
+        character.meshes.iter().flat_map(of_mesh).collect()
+    }
+
+    fn read_back(document: &Document) -> (Character, Document) {
+        let glb = document.write_glb().unwrap();
+        let mut none = |_: &str| Err("none".to_owned());
+        let file = read(&glb, &Limits::default(), &mut none).unwrap().value;
+        (file.character, file.document)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn vertices_stay_within_half_a_step_of_each_axis(
+            numbers in prop::collection::vec(prop::array::uniform3(-3.0f32..3.0), 3..40),
+            step in 0.000_5f32..0.05,
+        ) {
+            let points: Vec<Vec3> = numbers.into_iter().map(Vec3::from_array).collect();
+            let source = character(&points);
+            let mut document = Document::from_character(&source).unwrap();
+            let before = posed(&read_back(&document).0);
+            prop_assert_eq!(document.quantise_positions(&[step, 2.0 * step]).unwrap(), 2);
+            let (after, document) = read_back(&document);
+            prop_assert_eq!(&document.json["extensionsRequired"], &json!([EXTENSION]));
+            // The first joint makes lengths twice as long; bind matrices are rounded to a part of a step.
+            let most = 2.0 * step * (0.5 * 3.0f32.sqrt() + 3.0 * BIND_PART);
+            for (a, b) in before.iter().zip(posed(&after)) {
+                prop_assert!(a.distance(b) <= most, "{a} {b}");
+            }
+            let whole = |p: &Vec3| p.fract() == Vec3::ZERO && p.min_element() >= 0.0;
+            prop_assert!(after.meshes.iter().all(|m| m.primitives[0].positions.iter().all(whole)));
+        }
+    }
+
+    #[test]
+    fn what_has_no_bind_matrices_or_needs_more_bits_stays() {
+        let points = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let made = || Document::from_character(&character(&points)).unwrap();
+        let stays = |mut document: Document, step: f32| {
+            let before = document.clone();
+            assert_eq!(document.quantise_positions(&[step; 2]).unwrap(), 0);
+            assert_eq!(document, before);
+        };
+        stays(made(), 1e-5);
+        stays(made(), 0.0);
+        // One of its meshes is shown by a node without the skin that both have.
+        let mut bare = made();
+        for node in entries_mut(&mut bare.json, "nodes") {
+            if index(node, "mesh") == Some(1) {
+                object(node).shift_remove("skin");
+            }
+        }
+        let changed = bare.quantise_positions(&[0.1; 2]).unwrap();
+        assert_eq!(changed, 1);
+        let mut vrm = made();
+        vrm.use_extension("VRMC_vrm");
+        stays(vrm, 0.1);
+        let mut without = made();
+        object(&mut without.json).shift_remove("skins");
+        for node in entries_mut(&mut without.json, "nodes") {
+            object(node).shift_remove("skin");
+        }
+        stays(without, 0.1);
+    }
+}

@@ -99,7 +99,7 @@ mod tests {
         let wanted =
             json!({"name": "hand", "translation": [1.235, 0, 3], "scale": [0.0001, 1, 1.00002]});
         assert_eq!(rounded(node, 1e-3).to_string(), wanted.to_string());
-        let matrix = json!({"matrix": [1.234_567; 16]});
+        let matrix = json!({ "matrix": vec![1.234_567; 16] });
         assert_eq!(rounded(matrix.clone(), 1e-3), matrix);
     }
 

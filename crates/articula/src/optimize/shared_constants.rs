@@ -15,17 +15,14 @@ struct Held {
     steps: KeySteps,
 }
 
-/// Lets channels that hold a value hold the nearest of those that others hold as exactly, if it is within the step of their
-/// own. Clips of which `is_free` is false stay as they are. Returns the number of channels that hold another value.
-pub(super) fn share_constants(clips: &mut [OptimizedClip], is_free: &[bool]) -> usize {
+/// Lets channels that hold a value hold the nearest of those that others hold as exactly, if it is within a number of steps
+/// of their own, for each clip; clips of none stay as they are. Returns the number of channels that hold another value.
+pub(super) fn share_constants(clips: &mut [OptimizedClip], steps: &[f32]) -> usize {
     let mut places: Vec<(usize, usize)> = Vec::new();
-    for (c, _) in is_free.iter().enumerate().filter(|(_, free)| **free) {
-        let clip = &clips[c];
+    for (c, clip) in clips.iter().enumerate().filter(|(c, _)| steps[*c] > 0.0) {
         let held = clip.clip.channels.iter().zip(&clip.steps).enumerate();
-        places.extend(
-            held.filter(|(_, (channel, _))| is_held(channel))
-                .map(|(i, _)| (c, i)),
-        );
+        let held = held.filter(|(_, (channel, _))| is_held(channel));
+        places.extend(held.map(|(i, _)| (c, i)));
     }
     // The most exact first: others take their values.
     let step = |(c, i): &(usize, usize)| clips[*c].steps[*i].values;
@@ -33,18 +30,18 @@ pub(super) fn share_constants(clips: &mut [OptimizedClip], is_free: &[bool]) -> 
     let mut known: Vec<Held> = Vec::new();
     let mut changed = 0;
     for (c, i) in places {
-        let (channel, steps) = (&clips[c].clip.channels[i], clips[c].steps[i]);
-        let distance = |held: &Held| distance(channel, held) / allowed(channel.property, &steps);
-        let near = known.iter().map(|held| (distance(held), held));
+        let (channel, own) = (&clips[c].clip.channels[i], clips[c].steps[i]);
+        let most = steps[c] * allowed(channel.property, &own);
+        let near = known.iter().map(|held| (distance(channel, held), held));
         let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
-        match nearest.filter(|(distance, _)| *distance <= 1.0) {
+        match nearest.filter(|(distance, _)| *distance <= most) {
             Some((_, held)) => {
                 let (values, steps) = (held.values.clone(), held.steps);
                 changed += usize::from(values != channel.values);
                 clips[c].clip.channels[i].values = values;
                 clips[c].steps[i] = steps;
             }
-            None => known.push(held(channel, steps)),
+            None => known.push(held(channel, own)),
         }
     }
     changed
@@ -128,7 +125,7 @@ mod tests {
     fn near_values_become_the_most_exact_of_them_and_far_ones_stay() {
         let mut clips = [clip(&[0.505, 0.9], 0.02), clip(&[0.5], 0.001)];
         let before = clips.clone();
-        assert_eq!(share_constants(&mut clips, &[true, true]), 1);
+        assert_eq!(share_constants(&mut clips, &[1.0, 1.0]), 1);
         assert_eq!(
             clips[0].clip.channels[0].values,
             before[1].clip.channels[0].values
@@ -137,7 +134,7 @@ mod tests {
         assert_eq!(clips[0].clip.channels[1], before[0].clip.channels[1]);
         assert_eq!(clips[1], before[1]);
         let mut clips = before.clone();
-        assert_eq!(share_constants(&mut clips, &[false, true]), 0);
+        assert_eq!(share_constants(&mut clips, &[0.0, 1.0]), 0);
         assert_eq!(clips, before);
     }
 
@@ -151,7 +148,7 @@ mod tests {
         scale.clip.channels[0].values = vec![1.0; 3];
         let before = [moving, scale, clip(&[0.5], 0.001)];
         let mut clips = before.clone();
-        assert_eq!(share_constants(&mut clips, &[true; 3]), 0);
+        assert_eq!(share_constants(&mut clips, &[1.0; 3]), 0);
         assert_eq!(clips, before);
     }
 }

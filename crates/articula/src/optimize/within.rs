@@ -29,8 +29,8 @@ const MEASURED: f32 = 0.985;
 const COARSER: f64 = 0.375;
 const OF_WEIGHTS: f64 = 1.0;
 const WORTH: f64 = 0.015;
-/// Number of times that clips are written with shared values.
-const ROUNDS_OF_SHARING: usize = 3;
+/// Steps within which held values become equal, in turn, in clips that are not within the bound.
+const STEPS_OF_SHARING: [f32; 4] = [2.0, 1.0, 0.5, 0.0];
 
 /// A file, and whether its mesh is more exact than its share of the error asks.
 struct Attempt {
@@ -151,10 +151,11 @@ impl Keys<'_> {
         options: &OptimizeOptions,
         work: &Executor<'_>,
     ) -> Result<Option<(Vec<u8>, OptimizeReport)>> {
-        let mut is_free = vec![true; self.clips.len()];
-        for _ in 0..ROUNDS_OF_SHARING {
+        let mut turns = vec![0; self.clips.len()];
+        for _ in STEPS_OF_SHARING {
             let mut clips = self.clips.clone();
-            if share_constants(&mut clips, &is_free) == 0 {
+            let steps: Vec<f32> = turns.iter().map(|turn| STEPS_OF_SHARING[*turn]).collect();
+            if share_constants(&mut clips, &steps) == 0 {
                 return Ok(None);
             }
             let glb = self.source.written(&clips, self.precision, options)?;
@@ -167,8 +168,8 @@ impl Keys<'_> {
                 let report = OptimizeReport::new(self.source, &clips, &errors, &glb);
                 return Ok(Some((glb, report)));
             }
-            for (is_free, error) in is_free.iter_mut().zip(&errors.clips) {
-                *is_free &= *error <= self.most;
+            for (turn, error) in turns.iter_mut().zip(&errors.clips) {
+                *turn += usize::from(*error > self.most);
             }
         }
         Ok(None)

@@ -109,9 +109,19 @@ pub(crate) struct OptimizeArgs {
 
 /// An error as it is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Given {
+pub(super) enum Given {
     Pixels(f32),
     Metres(f32),
+}
+
+impl Given {
+    /// The bound, in pixels of a picture of a height that the figure at rest fills.
+    pub(super) fn bound(self, height_px: f32) -> ErrorBound {
+        match self {
+            Self::Metres(metres) => ErrorBound::Metres(metres),
+            Self::Pixels(px) => ErrorBound::Pixels { px, height_px },
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -123,7 +133,7 @@ enum Kind {
 }
 
 /// Parses pixels or a length.
-fn error(text: &str) -> Result<Given, String> {
+pub(super) fn error(text: &str) -> Result<Given, String> {
     let text = text.trim();
     let units = [
         ("px", None),
@@ -204,13 +214,7 @@ impl OptimizeArgs {
         let skin = skin.map(|skin| open::character(&console.files, skin, &ReadArgs::default()));
         let skin = skin.transpose()?.map(CharacterFile::into_character);
         Ok(OptimizeOptions {
-            error: match self.error {
-                Given::Metres(metres) => ErrorBound::Metres(metres),
-                Given::Pixels(px) => ErrorBound::Pixels {
-                    px,
-                    height_px: self.height_px,
-                },
-            },
+            error: self.error.bound(self.height_px),
             compression: match self.compress {
                 Kind::Ext => Compression::Ext,
                 Kind::Khr => Compression::Khr,

@@ -73,10 +73,36 @@ pub(super) fn write(
             .or_default()
             .push(array);
     }
-    for (kind, arrays) in streams {
+    let nodes = nodes_of_keys(out.json);
+    for (kind, mut arrays) in streams {
+        // Clips begin the motion of a joint near where others do, and the codec stores what changes.
+        if kind.buffer == Buffer::Other {
+            arrays.sort_by_key(|array| nodes.get(&array.accessor));
+        }
         out.put(kind, &arrays)?;
     }
     out.finish()
+}
+
+/// For each array of keys the property and the node that it moves first.
+fn nodes_of_keys(json: &Value) -> BTreeMap<usize, (String, usize)> {
+    let list = |value: &Value, key: &str| value.get(key).and_then(Value::as_array).cloned();
+    let mut out = BTreeMap::new();
+    for animation in list(json, "animations").into_iter().flatten() {
+        let samplers = list(&animation, "samplers").unwrap_or_default();
+        for channel in list(&animation, "channels").into_iter().flatten() {
+            let sampler = index(&channel, "sampler").and_then(|s| samplers.get(s));
+            let output = sampler.and_then(|sampler| index(sampler, "output"));
+            let Some(target) = channel.get("target") else {
+                continue;
+            };
+            let path = target.get("path").and_then(Value::as_str);
+            if let (Some(output), Some(node), Some(path)) = (output, index(target, "node"), path) {
+                out.entry(output).or_insert((path.to_owned(), node));
+            }
+        }
+    }
+    out
 }
 
 /// All arrays that the document refers to, as they are stored, in the order of their first use.
