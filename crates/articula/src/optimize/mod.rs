@@ -2,7 +2,7 @@
 //!
 //! - `source`: the character before anything is rounded, and files that are written of it
 //! - `worn`: what is measured of a file of motion alone
-//! - `within`: the file within a bound
+//! - `within`: the file within a bound; `errors`: what is measured of it
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `shared_constants`: held values that clips have in common
@@ -18,6 +18,7 @@
 
 mod clip;
 mod constraints;
+mod errors;
 mod fit;
 mod kept;
 mod limits;
@@ -51,7 +52,7 @@ use merged_joints::merged_joints;
 use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
 use source::Source;
 use std::sync::Arc;
-use within::{Errors, within};
+use within::within;
 
 /// Greatest error in motion that is allowed, of any vertex at any time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,16 +1,18 @@
 //! How far the transforms of nodes at rest may be rounded.
 
-use super::source::Source;
 use crate::error::Result;
 use articula_build::clip_edit::{EditSubject, value_tolerances};
 use articula_core::Articulation;
-use articula_core::source::{Channel, Interpolation, Joint, Property, RawClip};
+use articula_core::source::{Channel, Character, Interpolation, Joint, Property, RawClip};
 use articula_formats::gltf::NodeTolerance;
 
-/// For each node of the document, the changes that each by itself move no vertex by more than `metres`; `None` for
+/// For each node of a document, by the joints of a body that have nodes, the changes that each by itself move no vertex by more than `metres`; `None` for
 /// nodes that are no joints.
-pub(super) fn node_tolerances(source: &Source, metres: f32) -> Result<Vec<Option<NodeTolerance>>> {
-    let character = source.body();
+pub(super) fn node_tolerances(
+    character: &Character,
+    nodes: &[usize],
+    metres: f32,
+) -> Result<Vec<Option<NodeTolerance>>> {
     let joints = &character.skeleton.joints;
     let subject = EditSubject::new(character, Articulation::unmapped(joints.len()), &[])?;
     let channels = joints
@@ -23,7 +25,6 @@ pub(super) fn node_tolerances(source: &Source, metres: f32) -> Result<Vec<Option
         channels: channels.collect(),
     };
     let found = value_tolerances(&subject, &rest, metres)?;
-    let nodes = &source.file.node_of_joint;
     let count = nodes.iter().map(|node| node + 1).max().unwrap_or(0);
     let mut out = vec![None; count];
     for (node, tolerances) in nodes.iter().zip(found.as_chunks::<3>().0) {

@@ -1,10 +1,10 @@
 //! What was saved, and the errors.
 
 use super::MergedJoints;
+use super::errors::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
 use super::textures::TextureOptimized;
-use super::within::Errors;
 use super::worn::MeasuredOn;
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;

@@ -139,7 +139,11 @@ impl MeshPrecision {
         let exact = |step: f32| if step.is_finite() { step } else { 0.0 };
         Ok(Self {
             positions: steps.into_iter().map(exact).collect(),
-            nodes: node_tolerances(source, NODE_SHARE * bound)?,
+            nodes: node_tolerances(
+                source.body(),
+                &source.file.node_of_joint,
+                NODE_SHARE * bound,
+            )?,
             is_quantized: false,
             times: 0,
         })
