@@ -60,7 +60,9 @@ function distance(point, triangles) {
   const near = new Vector3();
   for (const { triangle, centre, radius } of triangles) {
     if (centre.distanceTo(point) - radius < least) {
-      least = Math.min(least, triangle.closestPointToPoint(point, near).distanceTo(point));
+      // Not a number where rounding left a triangle no area; its points are those of its neighbours' edges.
+      const apart = triangle.closestPointToPoint(point, near).distanceTo(point);
+      least = apart < least ? apart : least;
     }
   }
   return least;

@@ -37,6 +37,12 @@ pub(crate) fn motion(files: &Files, path: &Path, args: &ReadArgs) -> anyhow::Res
     Ok(opened)
 }
 
+/// Opens a GLB that was made of a file, as that file was opened.
+pub(crate) fn again(glb: &[u8], name: &str, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
+    let beside = &mut |uri: &str| Err(format!("{uri}: not in the file"));
+    Ok(articula::open(glb, name, &options(args)?, beside)?)
+}
+
 /// A stream that was read.
 pub(crate) struct Stream {
     /// Which one it is, by how it begins.

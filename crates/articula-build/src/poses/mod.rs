@@ -94,7 +94,7 @@ pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
     let Some(rest_shape) = sample.shape(asset, &rest) else {
         return Ok(alone(rest));
     };
-    let min_metres = SAME_SHAPE * sample.diagonal_metres();
+    let min_metres = SAME_SHAPE * rest_shape.diagonal_metres();
     picked.known.push(rest_shape);
     picked.min_metres = min_metres;
 

@@ -9,7 +9,7 @@ use crate::joint_lods::principal;
 use crate::part_mesh::part_mesh;
 use crate::points::draw_vertices;
 use articula_core::Mesh;
-use glam::{DMat3, DMat4, DVec3, DVec4, Quat, Vec3};
+use glam::{DMat3, DMat4, DVec3, DVec4, Quat};
 
 /// Number of vertices in the sample of the skin.
 const WATCHED: usize = 512;
@@ -49,17 +49,17 @@ impl Sample {
         let size: f64 = points.iter().map(|p| p.length_squared()).sum();
         size.is_finite().then_some(Shape { points, size })
     }
-
-    /// Diagonal of the bounding box of the sampled vertices, each in the space of its own mesh.
-    pub(super) fn diagonal_metres(&self) -> f32 {
-        let far = Vec3::splat(f32::INFINITY);
-        let points = self.mesh.positions.iter();
-        let (lo, hi) = points.fold((far, -far), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        (hi - lo).length()
-    }
 }
 
 impl Shape {
+    /// Diagonal of the bounding box. Positions of a mesh itself may have any unit, of which bind matrices make metres.
+    pub(super) fn diagonal_metres(&self) -> f32 {
+        let points = || self.points.iter().copied();
+        let (low, high) = (points().reduce(DVec3::min), points().reduce(DVec3::max));
+        low.zip(high)
+            .map_or(0.0, |(low, high)| (high - low).length() as f32)
+    }
+
     /// Root mean square distance to another shape of the same sample after the best rotation, in
     /// metres.
     pub(super) fn separation_metres(&self, other: &Self) -> f32 {
@@ -98,6 +98,7 @@ fn horn(sum: &DMat3) -> DMat4 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{Affine3A, Vec3};
     use proptest::prelude::*;
 
     fn shape(points: &[DVec3]) -> Shape {
@@ -105,6 +106,25 @@ mod tests {
         let points: Vec<DVec3> = points.iter().map(|p| *p - mean).collect();
         let size = points.iter().map(|p| p.length_squared()).sum();
         Shape { points, size }
+    }
+
+    #[test]
+    fn the_unit_of_the_mesh_does_not_count() {
+        let asset = crate::joint_lods::test_figures::arm(3);
+        let rest = SkinPose::rest(&asset);
+        let diagonal = |asset: &Asset| {
+            let sample = Sample::draw(&asset.mesh, 1);
+            sample.shape(asset, &rest).unwrap().diagonal_metres()
+        };
+        let mut other = asset.clone();
+        for p in &mut other.mesh.positions {
+            *p *= 1000.0;
+        }
+        for binding in &mut other.mesh.bindings {
+            binding.inverse_bind = binding.inverse_bind * Affine3A::from_scale(Vec3::splat(1e-3));
+        }
+        let (one, many) = (diagonal(&asset), diagonal(&other));
+        assert!(one > 0.0 && (one - many).abs() < 1e-4 * one, "{one} {many}");
     }
 
     #[test]

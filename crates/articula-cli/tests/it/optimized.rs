@@ -31,6 +31,51 @@ fn an_optimised_file_is_judged_by_others() {
 }
 
 #[test]
+fn integers_without_compression_are_judged_by_others() {
+    let folder = folder("quantized");
+    let source = short().to_string_lossy().into_owned();
+    let of = |kind: &str| {
+        let out = format!("{kind}.glb");
+        let words = [
+            "optimize",
+            &source,
+            &out,
+            "--error",
+            "1mm",
+            "--compress",
+            kind,
+        ];
+        json(&folder, &words)["bytes_out"].as_f64().unwrap()
+    };
+    assert!(of("quantize") < of("none"));
+    if !judges_are_here() {
+        return;
+    }
+    let small = folder.join("quantize.glb").to_string_lossy().into_owned();
+    let (verdict, good) = ask("validate.mjs", std::slice::from_ref(&small));
+    assert!(good, "{verdict}");
+    let (answer, good) = ask("optimised.mjs", &[source, small, "1".into()]);
+    assert!(good, "{answer}");
+}
+
+#[test]
+fn an_asset_can_be_built_of_what_is_left() {
+    let folder = folder("built-lighter");
+    let source = short().to_string_lossy().into_owned();
+    let plain = json(&folder, &["build", &source, "plain.glb"]);
+    let report = json(&folder, &["build", &source, "asset.glb", "--optimize=4mm"]);
+    let first = &report["optimized"];
+    assert!(first["error_mm"].as_f64().unwrap() <= 4.0, "{report}");
+    assert!(first["triangles_out"].as_u64() < first["triangles_in"].as_u64());
+    assert!(report["bytes_out"].as_u64() < plain["bytes_out"].as_u64());
+    assert_eq!(report["bytes_in"], plain["bytes_in"]);
+    assert!(plain["optimized"].is_null());
+    // What was prepared belongs to what was written.
+    let checked = json(&folder, &["build", "--check", "asset.glb"]);
+    assert_eq!(checked["is_whole"], true, "{checked}");
+}
+
+#[test]
 fn a_simplified_file_is_judged_by_others_and_joints_can_be_held() {
     let folder = folder("simplified");
     let source = short().to_string_lossy().into_owned();

@@ -28,6 +28,8 @@
 //! - `unused_attributes`: what no material uses
 //! - `vertex_order`: triangles and vertices in an order that caches like
 //! - `kinds`, `weight`: sizes of parts, and of meshes, in bytes; `compact`: equal arrays once, numbers of few digits
+//! - `quantized_positions`: positions of skinned meshes as integers
+//! - `rounded_nodes`: transforms of nodes in few digits
 //! - `write`: back to bytes; `compressed`: with rounded and compressed arrays
 //!
 //! Source: glTF 2.0 specification (ISO/IEC 12113:2022). See `docs/formats/gltf.md`.
@@ -75,9 +77,11 @@ mod pointer;
 mod prepared;
 mod primitive;
 mod prune;
+mod quantized_positions;
 mod reader;
 mod renumbered_skin;
 mod replaced_triangles;
+mod rounded_nodes;
 mod samplers;
 mod single_weights;
 mod skeleton;
@@ -105,6 +109,7 @@ pub use kinds::BytesByKind;
 pub use merged_pictures::ShownPictures;
 pub use plain_textures::PictureUse;
 pub use prepared::{PreparedEntry, PreparedHeader, PreparedState};
+pub use rounded_nodes::NodeTolerance;
 pub use vrm::PassThrough;
 
 use crate::error::{Parsed, ReadError};

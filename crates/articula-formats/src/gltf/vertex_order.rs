@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The one extension of primitives that does not depend on their vertices.
-const VARIANTS: &str = "KHR_materials_variants";
+pub(super) const VARIANTS: &str = "KHR_materials_variants";
 
 /// A primitive by its mesh and its index there.
 type PrimitiveIndex = (usize, usize);

@@ -19,6 +19,7 @@ enum Compress {
     #[default]
     Ext,
     Khr,
+    Quantize,
     None,
 }
 
@@ -55,6 +56,7 @@ impl Optimize {
             compression: match self.compress {
                 Compress::Ext => Compression::Ext,
                 Compress::Khr => Compression::Khr,
+                Compress::Quantize => Compression::Quantized,
                 Compress::None => Compression::None,
             },
             reduce_keys: !self.keep_keys,
@@ -76,8 +78,8 @@ impl Optimize {
 impl Publisher {
     /// Writes a character in fewer bytes, at an error in motion that is measured on what is written. `options` is
     /// JSON: `{errorPx?: number, errorMm?: number, compress?: string, keepKeys?: boolean,
-    /// keepTriangles?: boolean, keepTextures?: boolean, keepAttributes?: boolean}`: pixels of a picture of 720 lines that the figure at rest fills (1 if left out) or millimetres; "ext", "khr" or
-    /// "none". A GLB that cannot be made smaller comes back as it is. The report is that of `articula optimize --json`.
+    /// keepTriangles?: boolean, keepTextures?: boolean, keepAttributes?: boolean}`: pixels of a picture of 720 lines that the figure at rest fills (1 if left out) or millimetres; "ext", "khr",
+    /// "quantize" or "none". A GLB that cannot be made smaller comes back as it is. The report is that of `articula optimize --json`.
     pub fn optimize(
         bytes: &[u8],
         name: &str,

@@ -18,6 +18,10 @@ const KEY_SHARE: f32 = 0.8;
 const VALUE_SHARE: f32 = 0.5;
 /// Number of scales that are tried, the share of the bound that each aims at, and what is near enough.
 const TRIES: usize = 6;
+/// Further tries where no scale was within the bound, and the scale after two that were not: what rounded meshes have of the
+/// bound is left when keys become more exact, so in proportion to the error it would fall too slowly.
+const MORE_TRIES: usize = 4;
+const FALL: f32 = 0.5;
 const AIM: f32 = 0.96;
 const NEAR: f32 = 0.92;
 /// The first step of the times of keys, in seconds; the share of the bound that rounding them may take;
@@ -124,7 +128,11 @@ impl<'a> Subject<'a> {
         let mut outermost = (self.wanted_outermost.clone(), self.stored_outermost.clone());
         let (mut scale, mut over) = (1.0f32, f32::INFINITY);
         let mut best: Option<(f32, OptimizedClip)> = None;
-        for _ in 0..TRIES {
+        let mut failures = 0;
+        for turn in 0..TRIES + MORE_TRIES {
+            if turn >= TRIES && best.is_some() {
+                break;
+            }
             let tried = self.tried(clip, (scale * bound, times_secs), timelines, options)?;
             let shown = rounded_clip(&tried.clip, &tried.steps);
             let wanted = (&mut outermost.0, Some(clip));
@@ -137,6 +145,7 @@ impl<'a> Subject<'a> {
             let ratio = (AIM * bound / error.max(1e-3 * bound)).clamp(0.25, 2.0);
             if error > bound {
                 over = over.min(scale);
+                failures += 1;
             } else {
                 best = Some((scale, tried));
                 if error >= NEAR * bound {
@@ -144,6 +153,7 @@ impl<'a> Subject<'a> {
                 }
             }
             scale = match &best {
+                None if failures > 1 => scale * ratio.min(FALL),
                 None => scale * ratio,
                 Some((under, _)) if over.is_finite() => 0.5 * (under + over),
                 Some((under, _)) => under * ratio,

@@ -2,8 +2,9 @@
 //!
 //! The order is that of merged levels, with joints at rest: `docs/methods/motion-lod.md` part 8.
 
+use super::OptimizeOptions;
+use super::errors::Errors;
 use super::source::Source;
-use super::{Errors, OptimizeOptions};
 use crate::error::{Context, Error, Result};
 use crate::work::Executor;
 use articula_build::{ClipOptions, JointLodOptions, character, joint_lods};

@@ -2,12 +2,15 @@
 //!
 //! - `source`: the character before anything is rounded, and files that are written of it
 //! - `worn`: what is measured of a file of motion alone
+//! - `within`: the file within a bound; `errors`: what is measured of it
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
+//! - `shared_constants`: held values that clips have in common
 //! - `textures`, `picture_file`: pictures in fewer bytes that look the same
 //! - `surface_use`: how large pictures are on screen
 //! - `report`: what was saved, and the errors
 //! - `kept`: the source itself, where nothing worth an error was saved
+//! - `node_precision`: how far nodes may be rounded
 //! - `merged_joints`: fewer joints in skins
 //! - `fit`, `limits`: the least error at which a file is within limits
 //!
@@ -15,17 +18,21 @@
 
 mod clip;
 mod constraints;
+mod errors;
 mod fit;
 mod kept;
 mod limits;
 mod merged_joints;
+mod node_precision;
 mod optimized_clip;
 mod picture_file;
 mod report;
+mod shared_constants;
 mod simplification;
 mod source;
 mod surface_use;
 mod textures;
+mod within;
 mod worn;
 
 pub use articula_formats::gltf::{BytesByKind, Compression};
@@ -39,15 +46,13 @@ pub use worn::MeasuredOn;
 use crate::error::{Context, Error, Result};
 use crate::open::CharacterFile;
 use crate::work::Executor;
-use articula_build::greatest_vertex_error;
 use articula_core::Articulation;
 use articula_core::source::Character;
-use clip::Subject;
 use merged_joints::merged_joints;
-use optimized_clip::OptimizedClip;
 use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
-use source::{MeshPrecision, Source};
+use source::Source;
 use std::sync::Arc;
+use within::within;
 
 /// Greatest error in motion that is allowed, of any vertex at any time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,19 +124,6 @@ pub struct Optimized {
     /// What was saved, and the errors measured.
     pub report: OptimizeReport,
 }
-
-/// Number of times that a file is written more exactly where its error exceeds the bound.
-const ROUNDS: usize = 8;
-/// Number of times that meshes are rounded more finely.
-const ROUNDS_OF_MESHES: usize = 4;
-/// Rounds after which clips that still exceed it keep all their keys, and the share of the bound below
-/// which they do at once.
-const ROUNDS_OF_CLIPS: usize = 5;
-const LEAST_SHARE: f32 = 1e-3;
-
-/// Share of the bound that is asked for at the times that are measured: between them a vertex may be a little
-/// farther off, as the judge of `docs/results/optimize.md` measures.
-const MEASURED: f32 = 0.985;
 
 /// Writes a character in fewer bytes.
 ///
@@ -295,67 +287,6 @@ impl Prepared {
     }
 }
 
-/// The file in which no vertex is farther than a bound in metres from where it is in the source.
-fn within(
-    source: &Source,
-    bound: f32,
-    options: &OptimizeOptions,
-    work: &Executor<'_>,
-) -> Result<Optimized> {
-    let mut precision = MeshPrecision::of(source, bound);
-    let mut mesh = source.with_rounded_mesh(&precision)?;
-    let most = MeshPrecision::most(source);
-    for _ in 0..ROUNDS_OF_MESHES {
-        if Errors::measured(source, &mesh, options, work)?.greatest() <= most * bound {
-            break;
-        }
-        precision = precision.finer();
-        mesh = source.with_rounded_mesh(&precision)?;
-    }
-    let mut clips: Vec<Option<OptimizedClip>> = vec![None; source.character.clips.len()];
-    let mut allowed = vec![MEASURED * bound; clips.len()];
-    for round in 0..ROUNDS {
-        let in_motion = if round + 1 < ROUNDS {
-            MEASURED * bound
-        } else {
-            bound
-        };
-        let open: Vec<usize> = (0..clips.len()).filter(|c| clips[*c].is_none()).collect();
-        let subject = Subject::new(source, &mesh)?;
-        let made = work.map("reducing keys", open, |c| {
-            let is_reduced = round < ROUNDS_OF_CLIPS && allowed[c] > LEAST_SHARE * bound;
-            let made = match is_reduced && !source.keeps_arrays() {
-                true => subject.optimized(c, allowed[c], options)?,
-                false => subject.unchanged(c),
-            };
-            Ok((c, made))
-        })?;
-        for (c, clip) in made {
-            clips[c] = Some(clip);
-        }
-        let written: Vec<&OptimizedClip> = clips.iter().flatten().collect();
-        let glb = source.written(&written, &precision, options)?;
-        let shown = source.read_again(&glb)?;
-        let errors = Errors::measured(source, &shown, options, work)?;
-        if errors.rest <= bound && errors.clips.iter().all(|clip| *clip <= in_motion) {
-            let report = OptimizeReport::new(source, &written, &errors, &glb);
-            return Ok(Optimized { glb, report });
-        }
-        if errors.rest > bound || round >= 2 {
-            precision = precision.finer();
-            mesh = source.with_rounded_mesh(&precision)?;
-        }
-        for (c, error) in errors.clips.iter().enumerate() {
-            if *error > in_motion {
-                allowed[c] *= 0.95 * in_motion / error;
-                clips[c] = None;
-            }
-        }
-    }
-    let what = format!("error: {} mm is finer than the file can keep", 1e3 * bound);
-    Err(Error::unsuited(what))
-}
-
 /// The bound in metres of the character.
 fn bound_metres(source: &Source, error: ErrorBound) -> Result<f32> {
     let metres = match error {
@@ -367,40 +298,4 @@ fn bound_metres(source: &Source, error: ErrorBound) -> Result<f32> {
     }
     let what = format!("error: expected a positive length, found {metres} m");
     Err(Error::argument(what))
-}
-
-/// Greatest errors of a written file, in metres.
-struct Errors {
-    rest: f32,
-    clips: Vec<f32>,
-}
-
-impl Errors {
-    fn measured(
-        source: &Source,
-        shown: &Source,
-        options: &OptimizeOptions,
-        work: &Executor<'_>,
-    ) -> Result<Self> {
-        let (mut from, mut to) = (source.posed()?, shown.posed()?);
-        let is_same = from.count() == to.count()
-            && source.character.clips.len() == shown.character.clips.len();
-        if !is_same {
-            return Err(Error::unsuited(
-                "the written file is not read as its source",
-            ));
-        }
-        let rest = greatest_vertex_error((&mut from, None), (&mut to, None), options.seed);
-        let clips: Vec<usize> = (0..source.character.clips.len()).collect();
-        let clips = work.map("measuring the error", clips, |c| {
-            let wanted = (&mut from.clone(), source.character.clips.get(c));
-            let found = (&mut to.clone(), shown.character.clips.get(c));
-            Ok(greatest_vertex_error(wanted, found, options.seed))
-        })?;
-        Ok(Self { rest, clips })
-    }
-
-    fn greatest(&self) -> f32 {
-        self.clips.iter().copied().fold(self.rest, f32::max)
-    }
 }

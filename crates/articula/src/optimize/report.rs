@@ -1,10 +1,11 @@
 //! What was saved, and the errors.
 
+use super::MergedJoints;
+use super::errors::Errors;
 use super::optimized_clip::OptimizedClip;
 use super::source::Source;
 use super::textures::TextureOptimized;
 use super::worn::MeasuredOn;
-use super::{Errors, MergedJoints};
 use articula_core::source::RawClip;
 use articula_formats::gltf::BytesByKind;
 use serde::Serialize;
@@ -72,7 +73,7 @@ impl OptimizeReport {
     /// The report without what the source and the bound say.
     pub(super) fn new(
         source: &Source,
-        clips: &[&OptimizedClip],
+        clips: &[OptimizedClip],
         errors: &Errors,
         glb: &[u8],
     ) -> Self {

@@ -1,7 +1,7 @@
 //! Fewer triangles, where the surface in motion stays within a share of the error.
 
 use super::constraints::constraints;
-use super::source::{MeshPrecision, Source};
+use super::source::{MeshPrecision, Shares, Source};
 use super::{OptimizeOptions, Prepared};
 use crate::error::{Context, Result};
 use crate::work::Executor;
@@ -75,7 +75,12 @@ impl Simplification {
         options: &OptimizeOptions,
     ) -> Result<Saving> {
         let geometry = |source: &Source, bound: f32| -> Result<usize> {
-            let precision = MeshPrecision::of(source, bound);
+            let precision = MeshPrecision::chosen(
+                source,
+                bound,
+                Shares::of(&source.character),
+                options.compression,
+            )?;
             let glb = source.with_meshes(&precision, options.compression)?;
             Ok(BytesByKind::of_glb(&glb).geometry)
         };

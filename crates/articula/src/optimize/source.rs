@@ -1,6 +1,7 @@
 //! The character before anything is rounded, and files that are written of it.
 
 use super::OptimizeOptions;
+use super::node_precision::node_tolerances;
 use super::optimized_clip::OptimizedClip;
 use super::surface_use::SurfaceUse;
 use super::textures::{TextureOptimized, TextureRun, optimize_textures};
@@ -13,7 +14,8 @@ use articula_build::PosedVertices;
 use articula_core::source::Character;
 use articula_formats::Limits;
 use articula_formats::gltf::{
-    self, ArrayPrecision, BytesByKind, Compression, Document, KeySteps, WeightPrecision,
+    self, ArrayPrecision, BytesByKind, Compression, Document, KeySteps, NodeTolerance,
+    WeightPrecision,
 };
 
 /// Numbers of all keys for each vertex below which they are few.
@@ -31,20 +33,20 @@ pub(super) struct Source {
 
 /// Shares of the error for meshes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Shares {
+pub(super) struct Shares {
     /// For the rounding of positions at rest. Halving it costs three bits a vertex.
     rest: f32,
     /// For the rounded mesh in motion, so that keys have the rest.
-    motion: f32,
+    pub(super) motion: f32,
 }
 
 impl Shares {
-    const OF_MOTION: Self = Self {
+    pub(super) const OF_MOTION: Self = Self {
         rest: 0.25,
         motion: 0.8,
     };
     /// Where keys are few, a finer mesh costs more than further keys.
-    const OF_FEW_KEYS: Self = Self {
+    pub(super) const OF_FEW_KEYS: Self = Self {
         rest: 0.5,
         motion: 0.95,
     };
@@ -53,7 +55,7 @@ impl Shares {
         motion: 1.0,
     };
 
-    fn of(character: &Character) -> Self {
+    pub(super) fn of(character: &Character) -> Self {
         let numbers = character.clips.iter().flat_map(|clip| &clip.channels);
         let numbers: usize = numbers.map(|channel| channel.values.len()).sum();
         let primitives = character.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -66,21 +68,52 @@ impl Shares {
     }
 }
 
-/// Precision of the meshes.
+/// The share of the error for the rounding of each joint at rest. Those of a chain add up.
+const NODE_SHARE: f32 = 0.02;
+
+/// Precision of the meshes, and of the skeleton at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MeshPrecision {
     /// The first step of the positions of each mesh of the document.
     positions: Vec<f32>,
+    /// The first tolerances of the nodes of the document.
+    nodes: Vec<Option<NodeTolerance>>,
+    /// Whether positions of skinned meshes are integers.
+    is_quantized: bool,
     /// How often it was made finer.
     times: usize,
 }
 
 impl MeshPrecision {
+    /// The precision within a bound, with positions as integers where that needs fewer bytes.
+    pub(super) fn chosen(
+        source: &Source,
+        bound: f32,
+        shares: Shares,
+        compression: Compression,
+    ) -> Result<Self> {
+        let floats = Self::of(source, bound, shares)?;
+        if compression == Compression::None || source.character.meshes.is_empty() {
+            return Ok(floats);
+        }
+        let integers = Self {
+            is_quantized: true,
+            ..floats.clone()
+        };
+        let bytes = |precision: &Self| -> Result<usize> {
+            Ok(source.with_meshes(precision, compression)?.len())
+        };
+        Ok(match bytes(&integers)? < bytes(&floats)? {
+            true => integers,
+            false => floats,
+        })
+    }
+
     /// Steps by which no vertex moves more than a share of the bound at rest.
-    pub(super) fn of(source: &Source, bound: f32) -> Self {
+    fn of(source: &Source, bound: f32, shares: Shares) -> Result<Self> {
         let document = &source.file.document;
         let rest = source.character.skeleton.model_rest();
-        let share = Shares::of(&source.character).rest;
+        let share = shares.rest;
         let mut steps = vec![f32::INFINITY; document.mesh_count()];
         for (mesh, node) in source
             .character
@@ -104,22 +137,28 @@ impl MeshPrecision {
         }
         // Meshes that the character does not show keep their precision.
         let exact = |step: f32| if step.is_finite() { step } else { 0.0 };
-        Self {
+        Ok(Self {
             positions: steps.into_iter().map(exact).collect(),
+            nodes: node_tolerances(
+                source.body(),
+                &source.file.node_of_joint,
+                NODE_SHARE * bound,
+            )?,
+            is_quantized: false,
             times: 0,
-        }
+        })
     }
 
-    /// The share of the error that a mesh may take.
-    pub(super) fn most(source: &Source) -> f32 {
-        Shares::of(&source.character).motion
+    /// Whether it is finer than its share of the error asks.
+    pub(super) fn is_finer(&self) -> bool {
+        self.times > 0
     }
 
     /// One step finer.
     pub(super) fn finer(&self) -> Self {
         Self {
-            positions: self.positions.clone(),
             times: self.times + 1,
+            ..self.clone()
         }
     }
 
@@ -132,6 +171,30 @@ impl MeshPrecision {
             3 => (WeightPrecision::TenBits, 0.25),
             more => (WeightPrecision::Exact, 0.25f32.powi(more as i32 - 3)),
         }
+    }
+
+    /// Rounds the nodes of a document, and makes integers of its positions.
+    fn apply(&self, document: &mut Document) -> Result<()> {
+        if !document.is_compressible() {
+            return Ok(());
+        }
+        self.round_nodes(document);
+        if self.is_quantized {
+            let steps = self.arrays(Vec::new()).positions;
+            document.quantise_positions(&steps)?;
+        }
+        Ok(())
+    }
+
+    fn round_nodes(&self, document: &mut Document) {
+        let factor = 0.25f32.powi(self.times as i32);
+        let of_factor = |t: &NodeTolerance| NodeTolerance {
+            translation: factor * t.translation,
+            rotation: factor * t.rotation,
+            scale: factor * t.scale,
+        };
+        let nodes = self.nodes.iter().map(|t| t.as_ref().map(of_factor));
+        document.round_nodes(&nodes.collect::<Vec<_>>());
     }
 
     fn arrays(&self, samplers: Vec<Vec<Option<KeySteps>>>) -> ArrayPrecision {
@@ -192,6 +255,12 @@ impl Source {
         })
     }
 
+    /// Number of vertices.
+    pub(super) fn vertices(&self) -> usize {
+        let primitives = self.character.meshes.iter().flat_map(|m| &m.primitives);
+        primitives.map(|p| p.positions.len()).sum()
+    }
+
     /// Number of triangles.
     pub(super) fn triangles(&self) -> usize {
         let primitives = self.character.meshes.iter().flat_map(|m| &m.primitives);
@@ -208,7 +277,7 @@ impl Source {
         if self.keeps_arrays() {
             return Ok((self, Vec::new()));
         }
-        let is_plain = options.compression == Compression::None;
+        let is_plain = !options.compression.is_of_arrays();
         let height_px = options.textures.screen_height_px;
         let surfaces = match height_px {
             Some(px) => {
@@ -295,13 +364,15 @@ impl Source {
         compression: Compression,
     ) -> Result<Vec<u8>> {
         let arrays = precision.arrays(Vec::new());
-        Ok(self.file.document.write_compressed(compression, &arrays)?)
+        let mut document = self.file.document.clone();
+        precision.apply(&mut document)?;
+        Ok(document.write_compressed(compression, &arrays)?)
     }
 
     /// The file with these clips.
     pub(super) fn written(
         &self,
-        clips: &[&OptimizedClip],
+        clips: &[OptimizedClip],
         precision: &MeshPrecision,
         options: &OptimizeOptions,
     ) -> Result<Vec<u8>> {
@@ -318,6 +389,7 @@ impl Source {
         });
         let arrays = precision.arrays(samplers.collect());
         document.compact();
+        precision.apply(&mut document)?;
         Ok(document.write_compressed(options.compression, &arrays)?)
     }
 }

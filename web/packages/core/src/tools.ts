@@ -52,8 +52,8 @@ export interface OptimizeOptions extends TaskOptions {
   readonly errorPx?: number | undefined;
   /** The same in millimetres, in place of pixels. */
   readonly errorMm?: number | undefined;
-  /** Extension of compressed arrays: `ext`, which viewers and engines read, `khr`, of fewer bytes, or `none`. */
-  readonly compress?: 'ext' | 'khr' | 'none' | undefined;
+  /** Extension of compressed arrays: `ext`, which viewers and engines read, `khr`, of fewer bytes; or none with integers, `quantize`, or `none`. */
+  readonly compress?: 'ext' | 'khr' | 'quantize' | 'none' | undefined;
   /** Whether all keys stay. */
   readonly keepKeys?: boolean | undefined;
   /** Whether all triangles stay. */

@@ -5,7 +5,9 @@ mod arguments;
 mod check;
 mod compact;
 pub(crate) mod levels;
+mod optimized;
 
+use super::optimize::{Given, error};
 use crate::arguments::{ReadArgs, skin_millimetres};
 use crate::console::Console;
 use crate::fault::clean;
@@ -22,6 +24,7 @@ use articula::{
 };
 use clap::Args;
 use compact::CompactClip;
+use optimized::{OptimizedFirst, optimized};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -52,9 +55,19 @@ pub(crate) struct BuildArgs {
     /// are found (see inspect --face)
     #[arg(long, value_name = "F.json|F.fdp", conflicts_with = "check")]
     face_points: Option<PathBuf>,
+    /// Leave out keys, triangles and bytes of pictures first, as optimize does it, at a greatest error in motion: pixels of
+    /// a picture of 720 lines that the figure at rest fills, or a length; arrays are not compressed [default without a
+    /// value: 1px]
+    #[arg(long, value_name = "1px|0.5mm", num_args = 0..=1, require_equals = true,
+          default_missing_value = "1px", value_parser = error,
+          conflicts_with_all = ["check", "face_points", "lock"])]
+    optimize: Option<Given>,
     #[command(flatten)]
     mesh_levels: MeshLevelArgs,
 }
+
+/// Lines of the picture that an error in pixels is meant of.
+const OPTIMIZE_PX: f32 = 720.0;
 
 #[derive(Debug, Serialize)]
 struct BuildReport {
@@ -78,6 +91,8 @@ struct BuildReport {
     face_points_kept: Option<usize>,
     /// Files whose clips were added.
     added: Vec<Added>,
+    /// What was left out before; null without --optimize.
+    optimized: Option<OptimizedFirst>,
     /// Mesh levels, finest first; empty unless asked for.
     levels: Vec<MeshLevelRow>,
     /// Sizes of the mesh levels.
@@ -159,6 +174,16 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         options.face_points = open::face_points(&opened, path)?;
     }
     let added = added(&mut opened, &motions, console)?;
+    let bytes_in = opened.bytes();
+    let optimized = match args.optimize {
+        Some(given) => {
+            let (error, how) = (given.bound(OPTIMIZE_PX), (args.seed, &args.names));
+            let (lighter, first) = optimized(&opened, error, how, console)?;
+            opened = lighter;
+            Some(first)
+        }
+        None => None,
+    };
     let built = console.work(|work| prepare(opened, &options, work));
     let built = built.map_err(|error| match (error.cause(), &args.mesh_levels.lock) {
         (articula::Error::LockedVertices(what), Some(list)) => {
@@ -173,6 +198,8 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     console.files.write_all(&written)?;
     let mut report = BuildReport::new(args, out, &built)?;
     report.added = added;
+    report.bytes_in = bytes_in;
+    report.optimized = optimized;
     for motion in &motions {
         let warnings = open::warnings(motion.warnings()).into_iter();
         let warnings = warnings.map(|w| format!("{}: {w}", motion.name()));
@@ -256,6 +283,7 @@ impl BuildReport {
             face_points: built.face_points,
             face_points_kept: made.and_then(|l| Some(l.face.as_ref()?.points)),
             added: Vec::new(),
+            optimized: None,
             levels: made.map(CodedMeshLevels::rows).unwrap_or_default(),
             bytes: made.map(|l| l.sizes(built.mesh_bytes)),
             poses_measured: made.map(CodedMeshLevels::poses_measured),
@@ -287,6 +315,7 @@ impl BuildReport {
             self.mapped,
             profile
         );
+        text.extend(self.optimized.as_ref().map(OptimizedFirst::text));
         for added in &self.added {
             let how = if added.retargeted {
                 "retargeted by the H-Anim map"

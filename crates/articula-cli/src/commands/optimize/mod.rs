@@ -40,7 +40,8 @@ pub(crate) struct OptimizeArgs {
     #[arg(long, value_name = "N", default_value_t = 720.0, value_parser = positive)]
     height_px: f32,
     /// Extension that holds compressed arrays: ext (EXT_meshopt_compression, which viewers and engines
-    /// read), khr (KHR_meshopt_compression, fewer bytes, a release candidate), none
+    /// read), khr (KHR_meshopt_compression, fewer bytes, a release candidate); or no compression, with
+    /// positions of skinned meshes as integers (quantize: KHR_mesh_quantization) or with floats (none)
     #[arg(long, value_enum, value_name = "KIND", default_value_t = Kind::Ext)]
     compress: Kind,
     /// Keep all keys, and round their values alone
@@ -108,20 +109,31 @@ pub(crate) struct OptimizeArgs {
 
 /// An error as it is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Given {
+pub(super) enum Given {
     Pixels(f32),
     Metres(f32),
+}
+
+impl Given {
+    /// The bound, in pixels of a picture of a height that the figure at rest fills.
+    pub(super) fn bound(self, height_px: f32) -> ErrorBound {
+        match self {
+            Self::Metres(metres) => ErrorBound::Metres(metres),
+            Self::Pixels(px) => ErrorBound::Pixels { px, height_px },
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
     Ext,
     Khr,
+    Quantize,
     None,
 }
 
 /// Parses pixels or a length.
-fn error(text: &str) -> Result<Given, String> {
+pub(super) fn error(text: &str) -> Result<Given, String> {
     let text = text.trim();
     let units = [
         ("px", None),
@@ -202,16 +214,11 @@ impl OptimizeArgs {
         let skin = skin.map(|skin| open::character(&console.files, skin, &ReadArgs::default()));
         let skin = skin.transpose()?.map(CharacterFile::into_character);
         Ok(OptimizeOptions {
-            error: match self.error {
-                Given::Metres(metres) => ErrorBound::Metres(metres),
-                Given::Pixels(px) => ErrorBound::Pixels {
-                    px,
-                    height_px: self.height_px,
-                },
-            },
+            error: self.error.bound(self.height_px),
             compression: match self.compress {
                 Kind::Ext => Compression::Ext,
                 Kind::Khr => Compression::Khr,
+                Kind::Quantize => Compression::Quantized,
                 Kind::None => Compression::None,
             },
             reduce_keys: !self.no_keys,

@@ -55,7 +55,7 @@ pub fn compressed_clip_bytes(
     }
     let version = match compression {
         Compression::Khr => Bitstream::V1,
-        Compression::Ext | Compression::None => Bitstream::V0,
+        Compression::Ext | Compression::Quantized | Compression::None => Bitstream::V0,
     };
     let bytes = streams.values().map(|elements| {
         let layout = ViewLayout {
@@ -64,11 +64,11 @@ pub fn compressed_clip_bytes(
             count: elements.count as u64,
             stride: elements.stride as u64,
         };
-        let encoded = match compression {
-            Compression::None => None,
-            _ => encode(&elements.bytes, &layout, version),
-        };
-        encoded.map_or(elements.bytes.len(), |encoded| encoded.len())
+        let is_compressed = compression.is_of_arrays();
+        let encoded = is_compressed.then(|| encode(&elements.bytes, &layout, version));
+        encoded
+            .flatten()
+            .map_or(elements.bytes.len(), |encoded| encoded.len())
     });
     json + bytes.sum::<usize>()
 }

@@ -123,6 +123,13 @@ impl Elements {
         set(accessor, "max", whole(most));
     }
 
+    /// Whether it is a list of triangles whose first has the corners 0, 1 and 2.
+    pub(super) fn begins_anew(&self) -> bool {
+        let corners = self.bytes.as_chunks::<4>().0.iter().take(3);
+        let corners = corners.map(|b| u32::from_le_bytes(*b));
+        self.mode == Mode::Triangles && corners.eq(0..3)
+    }
+
     pub(super) fn bounded(self) -> Self {
         Self {
             is_bounded: true,

@@ -23,6 +23,7 @@ mod stored_classes;
 mod streams;
 
 pub use clip::{compressed_clip_bytes, rounded_clip};
+pub(super) use offsets::moved_multiples;
 pub(super) use stored_classes::stored_classes;
 
 use super::document::Document;
@@ -37,8 +38,18 @@ pub enum Compression {
     Ext,
     /// KHR_meshopt_compression: fewer bytes, and a release candidate.
     Khr,
+    /// Arrays are not compressed; positions of skinned meshes may be integers (KHR_mesh_quantization).
+    Quantized,
     /// Arrays are rounded and not compressed.
     None,
+}
+
+impl Compression {
+    /// Whether arrays are compressed.
+    #[must_use]
+    pub fn is_of_arrays(self) -> bool {
+        matches!(self, Self::Ext | Self::Khr)
+    }
 }
 
 /// Precision of the arrays of a compressed document. What has none is kept to the bit.

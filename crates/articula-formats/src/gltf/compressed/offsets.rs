@@ -95,6 +95,19 @@ impl Offsets {
     }
 }
 
+/// Offsets of positions, all in steps, as whole steps: with the position rounded to whole steps they err by no more
+/// than half of one along each axis.
+pub(in crate::gltf) fn moved_multiples(positions: &[f32], offsets: &[f32]) -> Vec<i32> {
+    let sizes = [1.0; 3];
+    let moved = Moved {
+        positions,
+        sizes,
+        offsets,
+        step: 1.0,
+    };
+    moved.multiples(sizes)
+}
+
 fn read(reader: &mut Reader<'_>, accessor: usize) -> Result<Option<Vec<f32>>, ReadError> {
     let Some(place) = reader.root.entry("accessors", accessor) else {
         return Ok(None);

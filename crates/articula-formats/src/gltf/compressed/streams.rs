@@ -37,8 +37,8 @@ enum Buffer {
     /// Keys and matrices.
     Other,
     Vertices,
-    /// Indices; compressed ones have a stream for each accessor, since those of triangles are stored
-    /// relative to the ones before.
+    /// Indices. Compressed ones are stored relative to those before, from which a list of triangles begins anew
+    /// with the corners 0, 1 and 2; others have a stream for each accessor.
     Indices(Option<usize>),
 }
 
@@ -73,10 +73,36 @@ pub(super) fn write(
             .or_default()
             .push(array);
     }
-    for (kind, arrays) in streams {
+    let nodes = nodes_of_keys(out.json);
+    for (kind, mut arrays) in streams {
+        // Clips begin the motion of a joint near where others do, and the codec stores what changes.
+        if kind.buffer == Buffer::Other {
+            arrays.sort_by_key(|array| nodes.get(&array.accessor));
+        }
         out.put(kind, &arrays)?;
     }
     out.finish()
+}
+
+/// For each array of keys the property and the node that it moves first.
+fn nodes_of_keys(json: &Value) -> BTreeMap<usize, (String, usize)> {
+    let list = |value: &Value, key: &str| value.get(key).and_then(Value::as_array).cloned();
+    let mut out = BTreeMap::new();
+    for animation in list(json, "animations").into_iter().flatten() {
+        let samplers = list(&animation, "samplers").unwrap_or_default();
+        for channel in list(&animation, "channels").into_iter().flatten() {
+            let sampler = index(&channel, "sampler").and_then(|s| samplers.get(s));
+            let output = sampler.and_then(|sampler| index(sampler, "output"));
+            let Some(target) = channel.get("target") else {
+                continue;
+            };
+            let path = target.get("path").and_then(Value::as_str);
+            if let (Some(output), Some(node), Some(path)) = (output, index(target, "node"), path) {
+                out.entry(output).or_insert((path.to_owned(), node));
+            }
+        }
+    }
+    out
 }
 
 /// All arrays that the document refers to, as they are stored, in the order of their first use.
@@ -188,13 +214,16 @@ fn share_samplers(json: &mut Value) {
 impl Array {
     fn kind(&self, compression: Compression) -> Kind {
         let elements = &self.elements;
-        let is_compressed = elements.is_compressible && compression != Compression::None;
+        let is_compressed = elements.is_compressible && compression.is_of_arrays();
         let buffer = match elements.mode {
             Mode::Attributes if self.role.is_of_vertices() && self.part == Part::Whole => {
                 Buffer::Vertices
             }
             Mode::Attributes => Buffer::Other,
-            _ => Buffer::Indices(is_compressed.then_some(self.accessor)),
+            _ => {
+                let is_alone = is_compressed && !elements.begins_anew();
+                Buffer::Indices(is_alone.then_some(self.accessor))
+            }
         };
         Kind {
             buffer,
@@ -309,7 +338,7 @@ impl<'a> Output<'a> {
         }
         let version = match self.compression {
             Compression::Khr => Bitstream::V1,
-            Compression::Ext | Compression::None => Bitstream::V0,
+            Compression::Ext | Compression::Quantized | Compression::None => Bitstream::V0,
         };
         if !is_compressed && layout.mode != Mode::Attributes {
             let corners = bytes.as_chunks::<4>().0.iter();
@@ -404,7 +433,9 @@ impl<'a> Output<'a> {
     fn name(&self) -> &'static str {
         match self.compression {
             Compression::Khr => "KHR_meshopt_compression",
-            Compression::Ext | Compression::None => "EXT_meshopt_compression",
+            Compression::Ext | Compression::Quantized | Compression::None => {
+                "EXT_meshopt_compression"
+            }
         }
     }
 
