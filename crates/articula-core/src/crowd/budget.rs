@@ -161,7 +161,8 @@ impl Budget {
         Detail::Within(self.allowance)
     }
 
-    /// Adds a crowd that was ticked with this detail; crowds are added in the same order in each frame. The
+    /// Adds a crowd that was ticked with this detail; crowds are added in the same order in each frame,
+    /// which [`observe`](Self::observe) ends. The
     /// cost of its characters by tolerance is found anew for a part of it; O(characters / 32). Does not
     /// allocate but in the first frame of a crowd.
     pub fn add(&mut self, crowd: &mut Crowd, model: &CrowdModel) {
