@@ -170,10 +170,8 @@ fn body_and_face_share_one_error() {
     talk(&here.join("talk.fap"));
     json(&here, &["human", "h.glb", "--triangles", "2000"]);
     let lod = ["lod", "h.glb", "--clip", "walk", "--face", "talk.fap"];
-    let told = json(
-        &here,
-        &[&lod[..], &["--calibrate", "2", "--distances", "4,25"]].concat(),
-    );
+    let fine = ["--parameter", "0.0005", "--distances", "2,60"];
+    let told = json(&here, &[&lod[..], &fine].concat());
     let face = &told["face"];
     assert!(face["confidence"].as_f64().unwrap() > 0.5, "{face}");
     let number = |row: &Value, name: &str| row[name].as_f64().unwrap();
@@ -183,7 +181,7 @@ fn body_and_face_share_one_error() {
         let worst = body["face_px"]["worst_vertex"].as_f64().unwrap();
         assert!((body_px - worst).abs() < 1e-6, "{row}");
         assert!((number(row, "both_px") - body_px - face_px).abs() < 1e-5);
-        assert_eq!(row["meets_target"], number(row, "both_px") <= 2.0);
+        assert_eq!(row["meets_target"], number(row, "both_px") <= 1.0);
     }
     // Near, the mouth moves; far away it does not matter.
     let kept = |row: &Value| row["parameters"].as_array().unwrap().len();
