@@ -118,10 +118,11 @@ mod tests {
             sample.shape(asset, &rest).unwrap().diagonal_metres()
         };
         let mut other = asset.clone();
-        for p in &mut Arc::make_mut(&mut other.mesh).positions {
+        let mesh = Arc::make_mut(&mut other.mesh);
+        for p in &mut mesh.positions {
             *p *= 1000.0;
         }
-        for binding in &mut Arc::make_mut(&mut other.mesh).bindings {
+        for binding in &mut mesh.bindings {
             binding.inverse_bind *= Affine3A::from_scale(Vec3::splat(1e-3));
         }
         let (one, many) = (diagonal(&asset), diagonal(&other));

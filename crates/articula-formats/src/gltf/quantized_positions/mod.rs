@@ -3,20 +3,23 @@
 //! A skinned mesh ignores the transform of its node, so what makes lengths of the integers stands in the inverse bind
 //! matrices, which every reader applies. All meshes of a skin, and all skins of a mesh, have one grid.
 //!
+//! - `groups`: meshes and skins that have one grid
+//!
 //! Source: KHR_mesh_quantization.
 
-use super::append::{Use, entries_mut, float_bytes, index, object, set};
+mod groups;
+
+use super::append::{Use, entries_mut, float_bytes, object, set};
 use super::compressed::moved_multiples;
 use super::document::Document;
 use super::extension::{CLUSTERED_MESH, FACE, PREPARED};
-use super::place::Place;
 use super::reader::{Notes, Reader};
-use super::vertex_order::VARIANTS;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use glam::{Mat4, Vec3};
+use groups::{Group, groups};
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 const EXTENSION: &str = "KHR_mesh_quantization";
 /// Extensions with lengths of the mesh in its own space.
@@ -27,18 +30,6 @@ const OF_VRM: &str = "VRM";
 /// The part of a step by which a rounded number of a bind matrix may move a point; half of it, and as much again for the
 /// numbers of an axis, is the most.
 const BIND_PART: f32 = 0.04;
-
-/// Meshes and skins that share vertices or bind matrices.
-#[derive(Debug, Default)]
-struct Group {
-    meshes: BTreeSet<usize>,
-    skins: BTreeSet<usize>,
-    /// Accessors of positions, and of offsets by morph targets with those of their positions.
-    positions: BTreeSet<usize>,
-    offsets: BTreeMap<usize, usize>,
-    /// Whether something uses it that has no bind matrices, or uses its arrays for something else.
-    is_refused: bool,
-}
 
 /// A group as integers.
 struct Quantized {
@@ -136,112 +127,6 @@ fn stored(numbers: &[i32]) -> (u32, Vec<u8>, usize) {
         .iter()
         .flat_map(|n| n.to_le_bytes().into_iter().take(size));
     (component, bytes.collect(), 3 * size)
-}
-
-/// Returns the groups of a document that has meshes of skins.
-fn groups(root: &Place<'_>) -> Result<Vec<Group>, ReadError> {
-    let mut all: Vec<Group> = Vec::new();
-    for (m, mesh) in root.entries("meshes")?.iter().enumerate() {
-        let mut own = Group::default();
-        own.meshes.insert(m);
-        own.add_arrays(mesh)?;
-        own.add_users(root, m)?;
-        let (others, joined): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|group| !own.shares_with(group));
-        all = others;
-        for group in joined {
-            own.join(group);
-        }
-        all.push(own);
-    }
-    let elsewhere = other_uses(root)?;
-    for group in &mut all {
-        let mut arrays = group.positions.iter().chain(group.offsets.keys());
-        let is_both = group.offsets.keys().any(|a| group.positions.contains(a));
-        group.is_refused |= is_both || arrays.any(|a| elsewhere.contains(a));
-    }
-    Ok(all)
-}
-
-impl Group {
-    fn add_arrays(&mut self, mesh: &Place<'_>) -> Result<(), ReadError> {
-        for primitive in mesh.entries("primitives")? {
-            let extensions = primitive.get("extensions").map(|e| e.members());
-            let mut names = extensions.unwrap_or_default().into_iter();
-            self.is_refused |= names.any(|(name, _)| name != VARIANTS);
-            let of = |place: &Place<'_>| index(place.value(), "POSITION");
-            let Some(base) = primitive.get("attributes").as_ref().and_then(of) else {
-                self.is_refused = true;
-                continue;
-            };
-            self.positions.insert(base);
-            for offset in primitive.entries("targets")?.iter().filter_map(of) {
-                self.is_refused |= *self.offsets.entry(offset).or_insert(base) != base;
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds the skins of the nodes that show a mesh.
-    fn add_users(&mut self, root: &Place<'_>, mesh: usize) -> Result<(), ReadError> {
-        let nodes = root.entries("nodes")?;
-        let users = nodes.iter().map(Place::value);
-        for node in users.filter(|node| index(node, "mesh") == Some(mesh)) {
-            match index(node, "skin") {
-                Some(skin) => {
-                    self.skins.insert(skin);
-                }
-                None => self.is_refused = true,
-            }
-        }
-        Ok(())
-    }
-
-    fn shares_with(&self, other: &Self) -> bool {
-        let has = |a: &usize| other.positions.contains(a) || other.offsets.contains_key(a);
-        !self.skins.is_disjoint(&other.skins)
-            || self.positions.iter().any(has)
-            || self.offsets.keys().any(has)
-    }
-
-    fn join(&mut self, other: Self) {
-        self.meshes.extend(other.meshes);
-        self.skins.extend(other.skins);
-        self.positions.extend(other.positions);
-        for (offset, base) in other.offsets {
-            self.is_refused |= *self.offsets.entry(offset).or_insert(base) != base;
-        }
-        self.is_refused |= other.is_refused;
-    }
-}
-
-/// Accessors that are used for anything but positions.
-fn other_uses(root: &Place<'_>) -> Result<BTreeSet<usize>, ReadError> {
-    let mut out = BTreeSet::new();
-    let mut add = |list: Option<Place<'_>>| {
-        let members = list.map(|list| list.members()).unwrap_or_default();
-        let others = members.into_iter().filter(|(name, _)| *name != "POSITION");
-        out.extend(
-            others
-                .filter_map(|(_, i)| i.whole().ok())
-                .map(|i| i as usize),
-        );
-    };
-    for mesh in root.entries("meshes")? {
-        for primitive in mesh.entries("primitives")? {
-            add(primitive.get("attributes"));
-            for target in primitive.entries("targets")? {
-                add(Some(target));
-            }
-        }
-    }
-    for animation in root.entries("animations")? {
-        for sampler in animation.entries("samplers")? {
-            let of = |key: &str| index(sampler.value(), key);
-            out.extend([of("input"), of("output")].into_iter().flatten());
-        }
-    }
-    Ok(out)
 }
 
 /// A group as integers; `None` if it stays as it is.
@@ -360,6 +245,7 @@ fn rounded(matrix: Mat4, extent: f32) -> [f32; 16] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::append::index;
     use super::*;
     use crate::gltf::read;
     use articula_core::Transform;
