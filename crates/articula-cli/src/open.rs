@@ -10,7 +10,7 @@ use articula::core::feature_points::PointId;
 use articula::core::joint_names::JointMap;
 use articula::face::fdp_points;
 use articula::formats::{
-    Assumption, Limits, Warning, face_map, face_points as points_file, joint_map, mpeg4,
+    Assumption, Limits, UpAxis, Warning, face_map, face_points as points_file, joint_map, mpeg4,
 };
 use articula::inspect::{TrackInspection, inspect_mp4};
 use articula::stream::StreamLimits;
@@ -40,7 +40,14 @@ pub(crate) fn motion(files: &Files, path: &Path, args: &ReadArgs) -> anyhow::Res
 /// Opens a GLB that was made of a file, as that file was opened.
 pub(crate) fn again(glb: &[u8], name: &str, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
     let beside = &mut |uri: &str| Err(format!("{uri}: not in the file"));
-    Ok(articula::open(glb, name, &options(args)?, beside)?)
+    // Lengths and the direction up are those of glTF by now.
+    let options = OpenOptions {
+        unit_metres: None,
+        up: UpAxis::default(),
+        skeleton: None,
+        ..options(args)?
+    };
+    Ok(articula::open(glb, name, &options, beside)?)
 }
 
 /// A stream that was read.

@@ -9,7 +9,7 @@ use crate::query::{Parameters, Refusal, unknown_word};
 use crate::reply::{CHANGING, stored};
 use articula::build::face::arkit_name;
 use articula::item::{Item, Manifest, PartKind, assemble, compressed};
-use articula::{CharacterFile, Format, OpenOptions, convert};
+use articula::{CharacterFile, Error, Format, OpenOptions, convert};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use std::borrow::Cow;
@@ -178,7 +178,12 @@ impl WantedGlb {
             keep_morphs(&mut opened, morphs)?;
         }
         if let Some(longest_px) = self.atlas_px {
-            opened.merge_textures(longest_px)?;
+            // A larger one has room.
+            let refused = |e: Error| match e {
+                Error::Unsupported(what) => NotMade::from(Refusal(format!("textureAtlas: {what}"))),
+                other => NotMade::from(other),
+            };
+            opened.merge_textures(longest_px).map_err(refused)?;
         }
         Ok(convert::write(&opened, Format::Glb)?.bytes)
     }

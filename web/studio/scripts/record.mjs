@@ -1,4 +1,4 @@
-// Records the moving picture of the readme: the stage with the reference human, while its level of articulation falls and rises.
+// Records the moving picture of the readme: the stage with the reference human, while its level of articulation falls.
 // The pages are those of `npm run build`; the clock is the page's own, so that each run gives the same frames.
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';

@@ -125,11 +125,9 @@ fn a_client_on_a_real_network_knows_its_rate_and_shows_what_it_carries() {
         let fast = played(2000, "6");
         // The first guess is 500 kbit/s. How long a client needs to see that it is far less depends on the machine.
         let is_slow = |played: &Value| last(played, "measured_bps") < 400e3;
-        let slow = ["2", "8", "32"]
-            .into_iter()
-            .map(|seconds| played(50, seconds))
-            .find(is_slow)
-            .unwrap_or_else(|| panic!("{by:?}: not seen to be slow"));
+        let slow = played(50, "2");
+        let is_seen = is_slow(&slow) || ["8", "32"].iter().any(|secs| is_slow(&played(50, secs)));
+        assert!(is_seen, "{by:?}: not seen to be slow");
         let errors = [&fast, &slow].map(|played| last(played, "error_px"));
         assert!(errors[0] <= errors[1], "{by:?}: {errors:?}");
     }

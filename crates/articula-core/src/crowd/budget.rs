@@ -110,8 +110,7 @@ impl BudgetReport {
     /// Whether both the limit and the error that should not be exceeded are kept from the next frame on, as far
     /// as expected.
     pub fn is_satisfied(&self) -> bool {
-        let gives = self.sacrifice();
-        !gives.pixels && !gives.time
+        !self.is_overloaded() && self.expected_next_ns <= self.limit_ns
     }
 
     /// What the next frame gives up.
@@ -119,7 +118,7 @@ impl BudgetReport {
         Sacrifice {
             triangles: self.next.by_processor,
             pixels: self.is_overloaded(),
-            time: self.expected_next_ns > self.limit_ns,
+            time: self.floor_ns > self.limit_ns,
         }
     }
 }
@@ -162,9 +161,8 @@ impl Budget {
     }
 
     /// Adds a crowd that was ticked with this detail; crowds are added in the same order in each frame,
-    /// which [`observe`](Self::observe) ends. The
-    /// cost of its characters by tolerance is found anew for a part of it; O(characters / 32). Does not
-    /// allocate but in the first frame of a crowd.
+    /// which [`observe`](Self::observe) ends. The cost of its characters by tolerance is found anew for a part of it;
+    /// O(characters / 32). Does not allocate but in the first frame of a crowd.
     pub fn add(&mut self, crowd: &mut Crowd, model: &CrowdModel) {
         let demand = crowd.demand(model, self.allowance.near_px);
         self.demands.push(demand.clone());

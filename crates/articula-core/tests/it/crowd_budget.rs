@@ -250,7 +250,9 @@ fn a_budget_is_kept_on_machines_unlike_the_model() {
             // At the floor there is nothing left to give: it is told, and it is what is used.
             let allowed = if found.is_at_floor() { 0.1 } else { 0.05 };
             assert!(over <= allowed, "{place}");
-            assert_eq!(last.sacrifice().time, last.expected_next_ns > last.limit_ns);
+            // What the machine needs for the cap is well above its floor.
+            assert!(share < 1.0 || !last.sacrifice().time, "{place}");
+            assert!(!last.sacrifice().time || !last.is_satisfied(), "{place}");
             assert!(found.near_px <= 2.0 * 1.001, "{place}: {}", found.near_px);
             if share >= 2.0 {
                 assert!(last.is_satisfied() && last.next.px == 1.0, "{place}");

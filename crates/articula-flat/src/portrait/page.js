@@ -135,7 +135,7 @@ const start = async () => {
     message = null;
   };
   window.addEventListener("message", ({ data, source }) => {
-    if (data?.articula !== "face" || ![window, window.parent, window.opener].includes(source)) return;
+    if (!source || data?.articula !== "face" || ![window, window.parent, window.opener].includes(source)) return;
     if (message === null) requestAnimationFrame(drive);
     message = data;
   });

@@ -5,12 +5,12 @@ use super::document::Document;
 use super::plain_textures::{coordinates, is_reference};
 use super::prune::{has_unknown_extension, remove, renumbered};
 use super::texture_source::sources;
+use super::vertex_order::VARIANTS;
 use crate::uri::mime_type;
 use crate::written::WriteError;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-const VARIANTS: &str = "KHR_materials_variants";
 /// Textures that are looked up by the normal: of MToon 1 and of VRM 0.
 const BY_NORMAL: [&str; 2] = ["matcapTexture", "_SphereAdd"];
 
@@ -20,7 +20,7 @@ pub struct ShownPictures {
     /// Each with the name of the texture that shows it, as `baseColorTexture`; the first in the alphabet if
     /// several do.
     pub textures: BTreeMap<usize, String>,
-    /// Whether some are shown at other coordinates than the base colour, or may be exchanged for others.
+    /// Whether some are shown at other coordinates than the first ones as they are, or may be exchanged for others.
     pub varies: bool,
 }
 
@@ -37,10 +37,8 @@ impl Document {
         let textures = entries(&self.json, "textures");
         let materials = entries(&self.json, "materials").iter().enumerate();
         let shown = materials.map(|(m, material)| {
-            let base = material.pointer("/pbrMetallicRoughness/baseColorTexture");
             let mut found = Found {
                 textures,
-                base: base.map_or((0, json!({})), coordinates),
                 shown: ShownPictures {
                     varies,
                     ..ShownPictures::default()
@@ -60,7 +58,7 @@ impl Document {
     }
 
     /// Puts one picture, whose file is given, in the place of several, for each entry: their textures show it,
-    /// within its borders. Pictures that nothing shows any more are dropped. Returns the new index of each old
+    /// within its borders, filtered as the first of them. Pictures that nothing shows any more are dropped. Returns the new index of each old
     /// picture, that of the new one for those it stands for.
     ///
     /// # Errors
@@ -87,7 +85,11 @@ impl Document {
             let image = json!({"bufferView": view, "mimeType": mime, "name": "atlas"});
             let picture = push(&mut self.json, "images", image);
             self.pictures.push(None);
-            let sampler = json!({"wrapS": 33071, "wrapT": 33071});
+            let mut sampler = self.sampler_of(old);
+            for wrap in ["wrapS", "wrapT"] {
+                // Clamped to the edge.
+                set(&mut sampler, wrap, 33071);
+            }
             let sampler = push(&mut self.json, "samplers", sampler);
             for texture in entries_mut(&mut self.json, "textures") {
                 if sources(texture).any(|source| old.contains(&source)) {
@@ -108,6 +110,15 @@ impl Document {
         let dropped = self.drop_pictures(gone);
         let new = renumbered(&dropped);
         Ok(new_index.into_iter().map(new).collect())
+    }
+
+    /// The sampler of the first texture of some pictures; an empty one if it has none.
+    fn sampler_of(&self, pictures: &BTreeSet<usize>) -> Value {
+        let mut textures = entries(&self.json, "textures").iter();
+        let shows = |texture: &&Value| sources(texture).any(|source| pictures.contains(&source));
+        let sampler = textures.find(shows).and_then(|of| index(of, "sampler"));
+        let sampler = sampler.and_then(|i| entries(&self.json, "samplers").get(i));
+        sampler.cloned().unwrap_or(json!({}))
     }
 
     /// Drops those pictures that nothing names any more; returns which.
@@ -152,8 +163,6 @@ impl Document {
 
 struct Found<'a> {
     textures: &'a [Value],
-    /// Texture coordinates of the base colour.
-    base: (u64, Value),
     shown: ShownPictures,
 }
 
@@ -165,7 +174,7 @@ impl Found<'_> {
         for (key, inner) in value.as_object().into_iter().flatten() {
             self.add(inner);
             if is_reference(key, inner) {
-                self.shown.varies |= coordinates(inner) != self.base;
+                self.shown.varies |= coordinates(inner) != (0, json!({}));
                 self.add_texture(key, index(inner, "index"));
             }
         }
@@ -204,7 +213,7 @@ mod tests {
                     {"source": 1, "extensions": {"EXT_texture_webp": {"source": 3}}},
                     {"source": 2},
                 ],
-                "samplers": [{}],
+                "samplers": [{"magFilter": 9728, "wrapS": 33648}],
                 "extensionsUsed": ["EXT_texture_webp"],
                 "materials": [
                     {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}, "emissiveTexture": {"index": 0}},
@@ -246,6 +255,17 @@ mod tests {
     }
 
     #[test]
+    fn other_coordinates_vary() {
+        let mut document = document();
+        let base = &mut document.json["materials"][1]["pbrMetallicRoughness"]["baseColorTexture"];
+        base["extensions"] = json!({"KHR_texture_transform": {"scale": [2, 2]}});
+        assert!(document.shown_pictures()[1].varies);
+        let base = &mut document.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
+        base["texCoord"] = json!(1);
+        assert!(document.shown_pictures()[0].varies);
+    }
+
+    #[test]
     fn a_picture_takes_the_place_of_several() {
         let mut document = document();
         let png = b"\x89PNG\r\n\x1a\n rest";
@@ -259,6 +279,8 @@ mod tests {
         let merged = json!({"source": 1, "sampler": 1});
         let textures = json!([merged, merged, {"source": 0}]);
         assert_eq!(document.json["textures"], textures);
+        let sampler = json!({"magFilter": 9728, "wrapS": 33071, "wrapT": 33071});
+        assert_eq!(document.json["samplers"][1], sampler);
         let meta = &document.json["extensions"]["VRMC_vrm"]["meta"];
         assert_eq!(meta["thumbnailImage"], 0);
         assert_eq!(document.json.get("extensionsUsed"), None);

@@ -2,8 +2,10 @@
 //!
 //! A material is left out if its coordinates leave one repetition of the texture, since an atlas does not repeat,
 //! and so is each that shows a picture together with one that is left out, since a picture is in the atlas or not.
+//! Meshes whose parts have other coordinates beside the first ones stay whole.
 
-use articula_core::source::{Character, Primitive};
+use articula_core::source::{Character, Material, Primitive, TextureWrap};
+use articula_flat::Picture;
 use articula_formats::gltf::{Document, ShownPictures};
 use glam::Vec2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,6 +29,8 @@ pub(super) struct Cells {
     shifts: BTreeMap<usize, Vec2>,
     /// Materials with textures that are in no cell, with the reason.
     pub(super) left_out: Vec<(usize, &'static str)>,
+    /// The pictures of all cells.
+    pub(super) decoded: BTreeMap<usize, Picture>,
 }
 
 impl Cells {
@@ -42,12 +46,28 @@ impl Cells {
                 .filter_map(|i| kinds.get(i).copied())
                 .collect();
             if shifts.contains_key(&m) && named.len() != of.textures.len() {
-                reasons.insert(m, "another material shows its pictures by other textures");
+                reasons.insert(
+                    m,
+                    "two pictures of it would be in one atlas: a texture of it has a second picture, or another \
+                     material shows its pictures by other textures",
+                );
+            }
+        }
+        let mut decoded = BTreeMap::new();
+        for (m, picture) in shifts
+            .keys()
+            .flat_map(|m| shown[*m].textures.keys().map(move |i| (*m, *i)))
+        {
+            let bytes = character.images.get(picture).map(|image| &image.bytes);
+            match bytes.and_then(|bytes| Picture::decode(bytes).ok()) {
+                Some(found) => _ = decoded.insert(picture, found),
+                None => _ = reasons.insert(m, "a picture of it cannot be decoded"),
             }
         }
         spread(&shown, &mut reasons);
         let mut found = Self {
             left_out: reasons.iter().map(|(m, why)| (*m, *why)).collect(),
+            decoded,
             ..Self::default()
         };
         for (m, shift) in shifts {
@@ -95,6 +115,12 @@ fn placed(
     shown: &[ShownPictures],
 ) -> (BTreeMap<usize, Vec2>, BTreeMap<usize, &'static str>) {
     let (mut shifts, mut reasons) = (BTreeMap::new(), BTreeMap::new());
+    let varies = |part: &Primitive| part.material.is_some_and(|m| shown[m].varies);
+    let meshes = character.meshes.iter().map(|mesh| &mesh.primitives);
+    let bound: BTreeSet<usize> = meshes
+        .filter(|parts| parts.iter().any(varies))
+        .flat_map(|parts| parts.iter().filter_map(|part| part.material))
+        .collect();
     for (m, of) in shown
         .iter()
         .enumerate()
@@ -104,6 +130,8 @@ fn placed(
         let parts: Vec<&Primitive> = parts.filter(|part| part.material == Some(m)).collect();
         let why = if of.varies {
             "its textures vary or have coordinates of their own"
+        } else if bound.contains(&m) {
+            "textures of a part beside it vary or have coordinates of their own"
         } else if parts
             .iter()
             .any(|part| part.texcoords.len() != part.positions.len())
@@ -111,7 +139,7 @@ fn placed(
             "a part of it has no texture coordinates"
         } else if parts.is_empty() {
             "no part has it"
-        } else if let Some(shift) = repetition(&parts) {
+        } else if let Some(shift) = repetition(&parts, repeats(&character.materials[m])) {
             shifts.insert(m, shift);
             continue;
         } else {
@@ -122,14 +150,24 @@ fn placed(
     (shifts, reasons)
 }
 
-/// The repetition of the texture in which all coordinates are.
-fn repetition(parts: &[&Primitive]) -> Option<Vec2> {
+/// Whether the textures of a material repeat along both axes.
+fn repeats(material: &Material) -> bool {
+    let wraps = [material.base_color_wrap, material.emissive_wrap];
+    wraps
+        .as_flattened()
+        .iter()
+        .all(|wrap| *wrap == TextureWrap::Repeat)
+}
+
+/// The repetition of the texture in which all coordinates are; of one that does not repeat the first alone.
+fn repetition(parts: &[&Primitive], repeats: bool) -> Option<Vec2> {
     let all = || parts.iter().flat_map(|part| &part.texcoords);
     let least = all().copied().reduce(Vec2::min)?;
     let most = all().copied().reduce(Vec2::max)?;
     let shift = (least + TOLERANCE).floor();
     let is_inside = most.cmple(shift + 1.0 + TOLERANCE).all();
-    (is_inside && shift.is_finite()).then_some(shift)
+    let is_shown = repeats || shift == Vec2::ZERO;
+    (is_inside && is_shown && shift.is_finite()).then_some(shift)
 }
 
 /// The kind of texture in whose atlas each picture is.

@@ -2,44 +2,23 @@
 
 use super::cells::Cells;
 use super::packed::{GUTTER, Places};
-use crate::error::{Context, Result};
-use articula_core::source::Character;
+use crate::error::Result;
 use articula_flat::{Averaging, Picture};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The decoded pictures of all cells.
-pub(super) struct Drawn<'a> {
-    cells: &'a Cells,
-    decoded: BTreeMap<usize, Picture>,
-}
+/// The pictures of all cells.
+pub(super) struct Drawn<'a>(pub(super) &'a Cells);
 
-impl<'a> Drawn<'a> {
-    /// Decodes the pictures.
-    pub(super) fn new(character: &Character, cells: &'a Cells) -> Result<Self> {
-        let pictures = cells.cells.iter().flat_map(|cell| cell.pictures.keys());
-        let decoded = pictures.map(|i| {
-            let bytes = character
-                .images
-                .get(*i)
-                .map_or(&[][..], |image| &image.bytes);
-            let picture = Picture::decode(bytes).context(format!("images[{i}]"))?;
-            Ok((*i, picture))
-        });
-        Ok(Self {
-            cells,
-            decoded: decoded.collect::<Result<_>>()?,
-        })
-    }
-
+impl Drawn<'_> {
     /// Width and height of each cell: those of its largest picture.
     pub(super) fn sizes(&self) -> Vec<[u32; 2]> {
         let largest = |pictures: &BTreeMap<usize, String>| {
-            let all = pictures.keys().map(|i| &self.decoded[i]);
+            let all = pictures.keys().map(|i| &self.0.decoded[i]);
             all.fold([1, 1], |[width, height], of| {
                 [width.max(of.width()), height.max(of.height())]
             })
         };
-        self.cells
+        self.0
             .cells
             .iter()
             .map(|cell| largest(&cell.pictures))
@@ -53,17 +32,17 @@ impl<'a> Drawn<'a> {
         averaging: &dyn Fn(usize) -> Averaging,
     ) -> Result<Vec<(BTreeSet<usize>, Vec<u8>)>> {
         let mut kinds: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
-        for (picture, kind) in self.cells.cells.iter().flat_map(|cell| &cell.pictures) {
+        for (picture, kind) in self.0.cells.iter().flat_map(|cell| &cell.pictures) {
             kinds.entry(kind).or_default().insert(*picture);
         }
         let drawn = kinds.into_iter().map(|(kind, pictures)| {
             let side = places.side_px;
             let mut atlas = Picture::new(side, side, [0, 0, 0, 255])?;
-            for (cell, place) in self.cells.cells.iter().zip(&places.rectangles) {
+            for (cell, place) in self.0.cells.iter().zip(&places.rectangles) {
                 let of_kind = cell.pictures.iter().find(|(_, of)| of.as_str() == kind);
                 if let Some((i, _)) = of_kind {
                     let [left, top, width, height] = *place;
-                    let small = self.decoded[i].resized((width, height), averaging(*i))?;
+                    let small = self.0.decoded[i].resized((width, height), averaging(*i))?;
                     let framed = framed(&small, [width, height])?;
                     atlas.put(&framed, left - GUTTER, top - GUTTER);
                 }

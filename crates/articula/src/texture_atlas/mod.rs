@@ -33,13 +33,14 @@ pub struct TextureAtlas {
 impl CharacterFile {
     /// Puts the textures of materials into one square picture for each kind of texture (base colour, normals and
     /// others), with sides of a power of two of at most `longest_px` pixels, and lets the texture coordinates
-    /// follow. The largest scale at which all fit is used, at most 1. Materials stay, as do the coordinates of
-    /// those that repeat a texture or show one at a second set of coordinates. Stored mesh levels and prepared
-    /// data are dropped.
+    /// follow. The largest scale at which all fit is used, at most 1. Materials stay; what shows a texture more
+    /// than once, or at other than the first coordinates, keeps its textures ([`TextureAtlas::left_out`]). A picture is
+    /// filtered as the first texture in it, and a border of 2 pixels keeps textures apart, so small mipmaps mix them.
+    /// Stored mesh levels and prepared data are dropped.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] for a file without a glTF document, and if more textures are there than a picture
-    /// of this size has room for; [`Error`] for pictures that cannot be decoded. The character is then unchanged.
+    /// [`Error::Unsupported`] for a file without a glTF document, a size that is not 64 to 16,384, and if more
+    /// textures are there than a picture of this size has room for. The character is then unchanged.
     pub fn merge_textures(&mut self, longest_px: u32) -> Result<TextureAtlas> {
         let Some(gltf) = self.gltf() else {
             let what = "only glTF and VRM files have textures that can be merged; write the character as GLB first";
@@ -58,7 +59,7 @@ impl CharacterFile {
             true => Averaging::Numbers,
             false => Averaging::Light,
         };
-        let drawn = Drawn::new(self.character(), &cells)?;
+        let drawn = Drawn(&cells);
         let places = Places::new(&drawn.sizes(), longest_px)?;
         let pictures = drawn.pictures(&places, &averaging)?;
         let mut gltf = gltf.clone();

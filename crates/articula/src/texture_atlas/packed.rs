@@ -6,8 +6,9 @@ use glam::Vec2;
 
 /// Pixels around each rectangle that repeat its border, so that filters see nothing of its neighbours.
 pub(super) const GUTTER: u32 = 2;
-/// Least side of an atlas in pixels.
+/// Least and greatest side of an atlas in pixels.
 const LEAST_PX: u32 = 64;
+const MOST_PX: u32 = 16_384;
 /// Halvings of the interval in which the scale is searched.
 const HALVINGS: u32 = 10;
 
@@ -25,10 +26,14 @@ impl Places {
     /// most allowed size at the largest scale at which they do.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if rectangles of a single pixel have no room.
+    /// [`Error::Unsupported`] for a size that is not 64 to 16,384, and if rectangles of a single pixel have no room.
     pub(super) fn new(sizes: &[[u32; 2]], longest_px: u32) -> Result<Self> {
-        let sides = (0..32)
-            .map(|i| LEAST_PX << i)
+        if !(LEAST_PX..=MOST_PX).contains(&longest_px) {
+            let what =
+                format!("an atlas has sides of {LEAST_PX} to {MOST_PX} pixels, not {longest_px}");
+            return Err(Error::unsuited(what));
+        }
+        let sides = std::iter::successors(Some(LEAST_PX), |side| Some(2 * side))
             .take_while(|side| *side <= longest_px);
         if let Some(places) = sides.clone().find_map(|side| Self::at(sizes, side, 1.0)) {
             return Ok(places);
@@ -141,6 +146,9 @@ mod tests {
             "{scales:?}"
         );
         assert!(Places::new(&[[9, 9]; 2000], 128).is_err());
+        for side in [0, 63, 16_385, u32::MAX] {
+            assert!(Places::new(&sizes, side).is_err());
+        }
     }
 
     #[test]

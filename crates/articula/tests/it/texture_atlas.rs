@@ -2,7 +2,7 @@
 
 use articula::core::Transform;
 use articula::core::source::{
-    Character, Image, Joint, Material, Primitive, RawMesh, Skeleton, Skin,
+    Character, Image, Joint, Material, Primitive, RawMesh, Skeleton, Skin, TextureWrap,
 };
 use articula::flat::Picture;
 use articula::glam::{Affine3A, Vec2, Vec3};
@@ -210,4 +210,28 @@ fn errors_say_what_to_do_and_change_nothing() {
     let error = after.merge_textures(64).unwrap_err();
     assert!(error.to_string().contains("have no room"), "{error}");
     assert_eq!(after.character(), before.character());
+}
+
+#[test]
+fn what_is_clamped_beyond_its_edge_or_broken_stays() {
+    let pictures = [16, 17, 18, 19].map(|size| picture(size, size, 1));
+    let whole = |material| square(material, Vec2::ZERO, Vec2::ONE);
+    let beyond = |material| square(material, Vec2::ONE, Vec2::splat(2.0));
+    let materials = [0, 1, 2, 3].map(|i| [Some(i), None]);
+    let parts = vec![whole(0), beyond(1), beyond(2), whole(3)];
+    let file = character(&pictures, &materials, parts);
+    let left_out = |change: &dyn Fn(&mut Character)| {
+        let mut character = file.character().clone();
+        change(&mut character);
+        let mut changed = written(&CharacterFile::from_character("squares", character));
+        let atlas = changed.merge_textures(1024).unwrap();
+        let left = atlas.left_out.iter().map(|(m, _)| *m);
+        (atlas.materials, left.collect::<Vec<usize>>())
+    };
+    let none = left_out(&|_| ());
+    assert_eq!(none, (vec![0, 1, 2, 3], vec![]));
+    let clamped = left_out(&|of| of.materials[1].base_color_wrap = [TextureWrap::Clamp; 2]);
+    assert_eq!(clamped, (vec![0, 2, 3], vec![1]));
+    let broken = left_out(&|of| of.images[3].bytes.truncate(40));
+    assert_eq!(broken, (vec![0, 1, 2], vec![3]));
 }

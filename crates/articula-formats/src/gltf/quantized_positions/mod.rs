@@ -27,13 +27,14 @@ const OF_MESH_SPACE: [&str; 3] = [CLUSTERED_MESH, FACE, PREPARED];
 /// Outlines of MToon are as wide as a bind matrix makes normals long.
 const OF_VRM: &str = "VRM";
 
-/// The part of a step by which a rounded number of a bind matrix may move a point; half of it, and as much again for the
-/// numbers of an axis, is the most.
+/// The part of a step by which the rounded numbers of a bind matrix may move a point along an axis: half of it by the
+/// number of the translation, half by the other three.
 const BIND_PART: f32 = 0.04;
 
 /// A group as integers.
 struct Quantized {
-    arrays: Vec<(usize, Integers)>,
+    /// Accessors with their integers, and whether these are offsets of a morph target.
+    arrays: Vec<(usize, Integers, bool)>,
     /// Inverse bind matrices of each skin.
     matrices: Vec<(usize, Vec<f32>)>,
 }
@@ -83,8 +84,8 @@ impl Document {
     }
 
     fn put_quantized(&mut self, made: Quantized) {
-        for (accessor, Integers(numbers)) in made.arrays {
-            let (component, bytes, size) = stored(&numbers);
+        for (accessor, Integers(numbers), is_offset) in made.arrays {
+            let (component, bytes, size) = stored(&numbers, is_offset);
             let view = self.add_elements(&bytes, size);
             let accessor = &mut entries_mut(&mut self.json, "accessors")[accessor];
             for member in ["byteOffset", "sparse"] {
@@ -112,13 +113,14 @@ impl Document {
     }
 }
 
-/// Component type, bytes and size of the elements of integers: the shortest type that holds them.
-fn stored(numbers: &[i32]) -> (u32, Vec<u8>, usize) {
+/// Component type, bytes and size of the elements of integers: the shortest type that holds them. Offsets of morph
+/// targets have types with a sign alone.
+fn stored(numbers: &[i32], is_offset: bool) -> (u32, Vec<u8>, usize) {
     let least = numbers.iter().copied().min().unwrap_or(0);
     let most = numbers.iter().copied().max().unwrap_or(0);
     let (component, size) = if least >= -127 && most <= 127 {
         (5120, 1)
-    } else if least >= 0 {
+    } else if least >= 0 && !is_offset {
         (5123, 2)
     } else {
         (5122, 2)
@@ -159,7 +161,7 @@ fn quantized(
     for (accessor, points) in &positions {
         let numbers = points.iter().flat_map(in_steps);
         let whole = numbers.map(|x| x.round() as i32);
-        arrays.push((*accessor, Integers(whole.collect())));
+        arrays.push((*accessor, Integers(whole.collect()), false));
     }
     for (offset, base) in &group.offsets {
         let Some(offsets) = self::points(reader, *offset)? else {
@@ -174,7 +176,7 @@ fn quantized(
         if base.len() != offsets.len() || !is_short {
             return Ok(None);
         }
-        arrays.push((*offset, Integers(moved_multiples(&base, &offsets))));
+        arrays.push((*offset, Integers(moved_multiples(&base, &offsets)), true));
     }
     let from_steps = Mat4::from_translation(origin) * Mat4::from_scale(Vec3::splat(step));
     let extent = ((most - origin) / step).element_sum().max(1.0);
@@ -226,7 +228,8 @@ fn folded(
     Ok(Some(made.collect()))
 }
 
-/// A bind matrix of points in steps by which a point moves no more than a part of a step, in numbers of few bits.
+/// A bind matrix of points in steps, in numbers of few bits, by which a point moves no more than [`BIND_PART`] of a step
+/// along an axis.
 fn rounded(matrix: Mat4, extent: f32) -> [f32; 16] {
     let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     let step = axes.iter().map(|axis| axis.length()).fold(0.0, f32::max);
@@ -254,6 +257,13 @@ mod tests {
     };
     use glam::{Affine3A, Quat, Vec3Swizzles};
     use proptest::prelude::*;
+
+    #[test]
+    fn offsets_have_types_with_a_sign() {
+        assert_eq!(stored(&[0, 300, 40], false).0, 5123);
+        assert_eq!(stored(&[0, 300, 40], true).0, 5122);
+        assert_eq!(stored(&[0, 100, 40], true).0, 5120);
+    }
 
     /// Two meshes of one skin with a bind matrix that turns, scales and moves; the first has a morph target.
     fn character(points: &[Vec3]) -> Character {

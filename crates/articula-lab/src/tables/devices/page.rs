@@ -23,7 +23,7 @@ tests predict an application. Here all devices are made of one machine: the inst
 threads for crowds, a core that is shared with another busy program of the same priority, the program of the
 development profile, the program for AArch64 under emulation (qemu-user), whose costs differ most from one kind of work to
 another, and the module for web pages in node. The thesis has six machines; a quota of processor time (`cpulimit`)
-is none here, since frames fall between its pauses and their median stays as it is.
+is not among them: frames fall between its pauses, so their median does not change.
 
 *Tests* are grades of the mannequin ([method](../methods/adaptation.md#8-a-device-that-is-benchmarked)), *applications*
 play other characters. Frames per second, each the median of 6 to 15 runs of `articula bench device --grades`.
