@@ -88,8 +88,8 @@ pub(crate) fn split(surface: &Surface, body: &Body, depth: &impl Fn(Vec3) -> f32
                 })
             })
         };
-        let evenly_spaced_frames = edges(triangle).map(|(a, b)| split(a, b));
-        halves(*triangle, evenly_spaced_frames, &mut out.triangles);
+        let split_points = edges(triangle).map(|(a, b)| split(a, b));
+        halves(*triangle, split_points, &mut out.triangles);
     }
     for (p, _) in out
         .positions
@@ -103,10 +103,10 @@ pub(crate) fn split(surface: &Surface, body: &Body, depth: &impl Fn(Vec3) -> f32
 }
 
 /// Splits a triangle at points on its edges (the first from the first to the second corner).
-fn halves(triangle: [u32; 3], evenly_spaced_frames: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
+fn halves(triangle: [u32; 3], split_points: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
     for i in 0..3 {
         let [a, b, c] = std::array::from_fn(|k| triangle[(i + k) % 3]);
-        match std::array::from_fn(|k| evenly_spaced_frames[(i + k) % 3]) {
+        match std::array::from_fn(|k| split_points[(i + k) % 3]) {
             // Corner b is alone on its side.
             [Some(p), Some(q), None] => return out.extend([[p, b, q], [a, p, q], [a, q, c]]),
             [Some(p), None, None] => return out.extend([[a, p, c], [p, b, c]]),
@@ -136,10 +136,10 @@ mod tests {
             ((q.0 - p.0) * (r.1 - p.1) - (r.0 - p.0) * (q.1 - p.1)) / 2.0_f32
         };
         for mask in [0, 1, 2, 4, 3, 5, 6] {
-            let evenly_spaced_frames =
+            let split_points =
                 std::array::from_fn(|e| (mask >> e & 1 == 1).then_some(3 + e as u32));
             let mut pieces = Vec::new();
-            halves([0, 1, 2], evenly_spaced_frames, &mut pieces);
+            halves([0, 1, 2], split_points, &mut pieces);
             assert!(pieces.iter().all(|t| area(t) > 0.0), "{pieces:?}");
             assert_eq!(pieces.iter().map(area).sum::<f32>(), 8.0, "{pieces:?}");
         }

@@ -43,16 +43,15 @@ impl Parameters {
         name: &str,
         allowed: RangeInclusive<u32>,
     ) -> Result<Option<u32>, Refusal> {
-        let (least, most) = (allowed.start(), allowed.end());
-        let expected = format!("expected a whole number from {least} to {most}");
-        self.whole_number(name, &allowed, &expected)
+        self.whole_number(name, allowed, "")
     }
 
+    /// The same; `or` is what else its refusal tells that it may be.
     fn whole_number(
         &mut self,
         name: &str,
-        allowed: &RangeInclusive<u32>,
-        expected: &str,
+        allowed: RangeInclusive<u32>,
+        or: &str,
     ) -> Result<Option<u32>, Refusal> {
         let Some(value) = self.0.get_mut(name) else {
             return Ok(None);
@@ -63,8 +62,11 @@ impl Parameters {
             .ok()
             .filter(|n| is_plain && allowed.contains(n));
         let Some(number) = number else {
+            let (least, most) = (allowed.start(), allowed.end());
             let found = shortened(value);
-            return Err(Refusal(format!("{name}: found {found}, {expected}")));
+            return Err(Refusal(format!(
+                "{name}: found {found}, expected {or}a whole number from {least} to {most}"
+            )));
         };
         *value = number.to_string();
         Ok(Some(number))
@@ -80,9 +82,7 @@ impl Parameters {
         if self.0.get(name).is_some_and(|value| value == none) {
             return Ok(None);
         }
-        let (least, most) = (allowed.start(), allowed.end());
-        let expected = format!("expected {none} or a whole number from {least} to {most}");
-        self.whole_number(name, &allowed, &expected)
+        self.whole_number(name, allowed, &format!("{none} or "))
     }
 
     /// One of some names; `None` if it is not given.

@@ -15,12 +15,6 @@ pub(crate) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f
     let ticks = (end_secs * VERIFIED_HZ).ceil() as usize;
     let ticks = (0..ticks).map(|i| i as f32 / VERIFIED_HZ);
     let near = keys.windows(2).filter(|w| w[1] - w[0] <= 2.0 / VERIFIED_HZ);
-    let evenly_spaced_frames = near.map(|w| 0.5 * (w[0] + w[1]));
-    rising(
-        keys.iter()
-            .copied()
-            .chain(ticks)
-            .chain(evenly_spaced_frames)
-            .collect(),
-    )
+    let midpoints = near.map(|w| 0.5 * (w[0] + w[1]));
+    rising(keys.iter().copied().chain(ticks).chain(midpoints).collect())
 }

@@ -52,11 +52,11 @@ impl Chain {
             body.root
         };
         let after = path.get(split).copied();
-        chain.spine = evenly_spaced_frames(rest, start, &path[first..split], after);
+        chain.spine = segment_midpoints(rest, start, &path[first..split], after);
         let head = (rest.title(top) == "skullbase").then_some(top);
         let neck_end = path.len() - usize::from(head.is_some());
         let base = path[..split].last().copied().unwrap_or(start);
-        chain.neck = evenly_spaced_frames(rest, base, &path[split.min(neck_end)..neck_end], head);
+        chain.neck = segment_midpoints(rest, base, &path[split.min(neck_end)..neck_end], head);
         chain.head = head;
         chain
     }
@@ -80,7 +80,7 @@ fn is_vertebra(title: &str, kinds: &[&str]) -> bool {
 }
 
 /// Midpoints of the joints' segments by rest length from `start`, scaled so that the last is 1.
-fn evenly_spaced_frames(
+fn segment_midpoints(
     rest: &Rest,
     start: usize,
     joints: &[usize],

@@ -101,8 +101,7 @@ pub(crate) fn run(args: &SpeakArgs, console: &Console) -> anyhow::Result<()> {
     let inputs = inputs.map(PathBuf::as_path).chain(args.names.inputs());
     console.files.plan(inputs, [args.out.as_path()])?;
     let place = files::shown(&args.voice);
-    let bytes = files::read(&args.voice, MAX_SOUND_BYTES)?;
-    let sound = Sound::from_wav(&bytes).with_context(|| place.clone())?;
+    let sound = recording(&args.voice)?;
     let (track, phones) = heard(args, &sound, console)?;
     let options = SpeechOptions {
         rate_hz: args.rate_hz,
@@ -165,15 +164,27 @@ fn heard(
         let phones = read_phone_times(&bytes).with_context(|| files::shown(path))?;
         return Ok((VisemeTrack::of_phones(&phones, sound), Some(phones)));
     }
-    let bar = console.progress("listening", 1);
-    let track = VisemeTrack::recognised(sound);
-    bar.finish_and_clear();
+    let track = recognised(sound, console);
     let Some(text) = &args.text else {
         return Ok((track, None));
     };
     let symbols = phones::of_text(text, &args.language)?;
     let phones = articula::speech::align(&track, &symbols).context("--text")?;
     Ok((VisemeTrack::of_phones(&phones, sound), Some(phones)))
+}
+
+/// Reads a recording.
+pub(super) fn recording(path: &Path) -> anyhow::Result<Sound> {
+    let bytes = files::read(path, MAX_SOUND_BYTES)?;
+    Sound::from_wav(&bytes).with_context(|| files::shown(path))
+}
+
+/// The visemes that are heard in a recording.
+pub(super) fn recognised(sound: &Sound, console: &Console) -> VisemeTrack {
+    let bar = console.progress("listening", 1);
+    let track = VisemeTrack::recognised(sound);
+    bar.finish_and_clear();
+    track
 }
 
 /// The character with the new clip, as a file.

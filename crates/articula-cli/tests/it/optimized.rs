@@ -20,13 +20,18 @@ fn an_optimised_file_is_judged_by_others() {
         std::fs::metadata(&small).unwrap().len() as f64,
         number("bytes_out")
     );
+    judged(&source, &small, "1");
+}
+
+/// Lets the Khronos validator and three.js judge a file beside its source, within an error in millimetres.
+fn judged(source: &str, made: &Path, error_mm: &str) {
     if !judges_are_here() {
         return;
     }
-    let small = small.to_string_lossy().into_owned();
-    let (verdict, good) = ask("validate.mjs", std::slice::from_ref(&small));
+    let made = made.to_string_lossy().into_owned();
+    let (verdict, good) = ask("validate.mjs", std::slice::from_ref(&made));
     assert!(good, "{verdict}");
-    let (answer, good) = ask("optimised.mjs", &[source, small, "1".into()]);
+    let (answer, good) = ask("optimised.mjs", &[source.to_owned(), made, error_mm.into()]);
     assert!(good, "{answer}");
 }
 
@@ -48,14 +53,7 @@ fn integers_without_compression_are_judged_by_others() {
         json(&folder, &words)["bytes_out"].as_f64().unwrap()
     };
     assert!(of("quantize") < of("none"));
-    if !judges_are_here() {
-        return;
-    }
-    let small = folder.join("quantize.glb").to_string_lossy().into_owned();
-    let (verdict, good) = ask("validate.mjs", std::slice::from_ref(&small));
-    assert!(good, "{verdict}");
-    let (answer, good) = ask("optimised.mjs", &[source, small, "1".into()]);
-    assert!(good, "{answer}");
+    judged(&source, &folder.join("quantize.glb"), "1");
 }
 
 #[test]
@@ -106,14 +104,7 @@ fn a_simplified_file_is_judged_by_others_and_joints_can_be_held() {
     ];
     let held = json(&folder, &held);
     assert!(held["joints"]["joints_active"].as_u64() < held["joints"]["joints"].as_u64());
-    if !judges_are_here() {
-        return;
-    }
-    let file = folder.join("coarse.glb").to_string_lossy().into_owned();
-    let (verdict, good) = ask("validate.mjs", std::slice::from_ref(&file));
-    assert!(good, "{verdict}");
-    let (answer, good) = ask("optimised.mjs", &[source, file, "8".into()]);
-    assert!(good, "{answer}");
+    judged(&source, &folder.join("coarse.glb"), "8");
 }
 
 #[test]

@@ -94,10 +94,7 @@ impl Demand {
 
     /// Nominal nanoseconds at a tolerance, by kind of work.
     pub(crate) fn cost_ns(&self, px: f32) -> Costs {
-        let bin = bin_of(px);
-        let [low, high] = [px_of(bin), px_of(bin + 1)];
-        // Within a bin the thresholds are taken to be spread evenly.
-        let part = ((high - px) / (high - low)).clamp(0.0, 1.0);
+        let (bin, part) = bin_and_coarser(px);
         std::array::from_fn(|kind| {
             let coarser: f32 = self.savings_ns[bin + 1..].iter().map(|s| s[kind]).sum();
             self.least_ns[kind] + f64::from(coarser + part * self.savings_ns[bin][kind])
@@ -134,11 +131,9 @@ impl PricedDemand {
 
     /// Nanoseconds at a tolerance.
     pub(crate) fn cost_ns(&self, px: f32) -> f64 {
-        let bin = bin_of(px);
-        let [low, high] = [px_of(bin), px_of(bin + 1)];
-        let part = f64::from(((high - px) / (high - low)).clamp(0.0, 1.0));
+        let (bin, part) = bin_and_coarser(px);
         let coarser: f64 = self.savings_ns[bin + 1..].iter().sum();
-        self.least_ns + coarser + part * self.savings_ns[bin]
+        self.least_ns + coarser + f64::from(part) * self.savings_ns[bin]
     }
 
     /// The least tolerance in pixels, not below `least_px`, whose cost is at most `budget_ns`, or
@@ -167,6 +162,14 @@ fn bin_of(px: f32) -> usize {
     } else {
         0
     }
+}
+
+/// Index of the table for a tolerance in pixels, and the part of its savings that coarser tolerances have: within an
+/// entry the thresholds are taken to be spread evenly.
+fn bin_and_coarser(px: f32) -> (usize, f32) {
+    let bin = bin_of(px);
+    let [low, high] = [px_of(bin), px_of(bin + 1)];
+    (bin, ((high - px) / (high - low)).clamp(0.0, 1.0))
 }
 
 /// Tolerance in pixels at which an entry of the table begins.

@@ -3,6 +3,7 @@
 use super::append::{entries_mut, index, object, set};
 use super::compression::take_extension;
 use super::document::Document;
+use super::extension::VARIANTS;
 use super::geometry::{self, add_primitive};
 use super::origin::{mesh_of, origins};
 use super::reader::{Notes, Reader};
@@ -14,9 +15,6 @@ use articula_core::source::{MorphTarget, Primitive};
 use glam::Vec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
-
-/// The one extension of primitives that refers to materials alone, and stays.
-const VARIANTS: &str = "KHR_materials_variants";
 
 /// Geometry of the mesh that a node shows.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,6 +5,9 @@ use super::reader::Notes;
 use super::texture_source::is_of_textures;
 use crate::error::ReadError;
 
+/// The one extension of primitives that refers to materials alone, and not to vertices.
+pub(super) const VARIANTS: &str = "KHR_materials_variants";
+
 /// Name of the extension of skins and animations with H-Anim articulation.
 pub(super) const ARTICULATION: &str = "ARTICULA_articulation";
 

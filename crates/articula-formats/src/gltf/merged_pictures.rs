@@ -5,7 +5,6 @@ use super::document::Document;
 use super::plain_textures::{coordinates, is_reference};
 use super::prune::{has_unknown_extension, remove, renumbered};
 use super::texture_source::sources;
-use super::vertex_order::VARIANTS;
 use crate::uri::mime_type;
 use crate::written::WriteError;
 use serde_json::{Value, json};
@@ -27,13 +26,7 @@ pub struct ShownPictures {
 impl Document {
     /// Returns for each material the pictures that it shows.
     pub fn shown_pictures(&self) -> Vec<ShownPictures> {
-        let meshes = entries(&self.json, "meshes").iter();
-        let mut primitives = meshes.flat_map(|mesh| entries(mesh, "primitives"));
-        let varies = |of: &Value| {
-            of.get("extensions")
-                .is_some_and(|e| e.get(VARIANTS).is_some())
-        };
-        let varies = primitives.any(varies);
+        let varies = self.has_variants();
         let textures = entries(&self.json, "textures");
         let materials = entries(&self.json, "materials").iter().enumerate();
         let shown = materials.map(|(m, material)| {

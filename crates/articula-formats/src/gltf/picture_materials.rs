@@ -2,26 +2,28 @@
 
 use super::append::{entries, index};
 use super::document::Document;
+use super::extension::VARIANTS;
 use super::plain_textures::{coordinates, is_reference};
 use super::texture_source::sources;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-const VARIANTS: &str = "KHR_materials_variants";
-
 impl Document {
+    /// Whether the materials of a primitive vary.
+    pub(super) fn has_variants(&self) -> bool {
+        let meshes = entries(&self.json, "meshes").iter();
+        let mut primitives = meshes.flat_map(|mesh| entries(mesh, "primitives"));
+        primitives.any(|p| {
+            let extensions = p.get("extensions");
+            extensions.is_some_and(|all| all.get(VARIANTS).is_some())
+        })
+    }
+
     /// Returns for each picture the materials that use it, if all of them do at the coordinates of their base
     /// colour, which are those of a part of a character. `None` of all others, of pictures that no material
     /// uses, and of all pictures if the materials of a primitive vary.
     pub fn picture_materials(&self) -> Vec<Option<BTreeSet<usize>>> {
-        let mut meshes = entries(&self.json, "meshes").iter();
-        let varies = meshes.any(|mesh| {
-            let mut primitives = entries(mesh, "primitives").iter();
-            primitives.any(|p| {
-                p.get("extensions")
-                    .is_some_and(|e| e.get(VARIANTS).is_some())
-            })
-        });
+        let varies = self.has_variants();
         let mut found = Found {
             textures: entries(&self.json, "textures")
                 .iter()

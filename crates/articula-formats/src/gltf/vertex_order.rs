@@ -8,6 +8,7 @@ use super::append::{Use, entries_mut, set};
 use super::arrays::{Reordered, reordered};
 use super::compressed::stored_classes;
 use super::document::Document;
+use super::extension::VARIANTS;
 use super::origin::vertex_arrays;
 use super::place::Place;
 use super::primitive;
@@ -17,9 +18,6 @@ use crate::limits::Limits;
 use meshoptimizer_rs::{Workspace, optimize_vertex_cache_strip};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// The one extension of primitives that does not depend on their vertices.
-pub(super) const VARIANTS: &str = "KHR_materials_variants";
 
 /// A primitive by its mesh and its index there.
 type PrimitiveIndex = (usize, usize);

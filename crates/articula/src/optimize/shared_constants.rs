@@ -27,24 +27,62 @@ pub(super) fn share_constants(clips: &mut [OptimizedClip], steps: &[f32]) -> usi
     // The most exact first: others take their values.
     let step = |(c, i): &(usize, usize)| clips[*c].steps[*i].values;
     places.sort_by(|a, b| step(a).total_cmp(&step(b)).then(a.cmp(b)));
-    let mut known: Vec<Held> = Vec::new();
+    let mut known = KnownValues::default();
     let mut changed = 0;
     for (c, i) in places {
         let (channel, own) = (&clips[c].clip.channels[i], clips[c].steps[i]);
         let most = steps[c] * allowed(channel.property, &own);
-        let near = known.iter().map(|held| (distance(channel, held), held));
-        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
-        match nearest.filter(|(distance, _)| *distance <= most) {
-            Some((_, held)) => {
+        match known.nearest(channel, most) {
+            Some(held) => {
                 let (values, steps) = (held.values.clone(), held.steps);
                 changed += usize::from(values != channel.values);
                 clips[c].clip.channels[i].values = values;
                 clips[c].steps[i] = steps;
             }
-            None => known.push(held(channel, own)),
+            None => known.add(held(channel, own)),
         }
     }
     changed
+}
+
+/// Held values, found by one number of theirs.
+#[derive(Default)]
+struct KnownValues {
+    all: Vec<Held>,
+    /// [`number_of`] each, in ascending order, with its index.
+    numbers: Vec<(f32, usize)>,
+}
+
+impl KnownValues {
+    /// The nearest value within a distance; the one that was added first, of several.
+    fn nearest(&self, channel: &Channel, most: f32) -> Option<&Held> {
+        let number = number_of(channel.property, &channel.values);
+        // Rounding leaves none out.
+        let wide = 1.01 * most;
+        let first = self.numbers.partition_point(|(n, _)| *n < number - wide);
+        let near = self.numbers[first..].iter();
+        near.take_while(|(n, _)| *n <= number + wide)
+            .map(|(_, i)| (distance(channel, &self.all[*i]), *i))
+            .filter(|(distance, _)| *distance <= most)
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+            .map(|(_, i)| &self.all[i])
+    }
+
+    fn add(&mut self, held: Held) {
+        let number = number_of(held.property, &held.stored);
+        let at = self.numbers.partition_point(|(n, _)| *n < number);
+        self.numbers.insert(at, (number, self.all.len()));
+        self.all.push(held);
+    }
+}
+
+/// A number of a value that differs by no more than the [`distance`] of two: of a rotation the magnitude of w,
+/// which is the same for both of its quaternions.
+fn number_of(property: Property, values: &[f32]) -> f32 {
+    match property {
+        Property::Rotation => values.last().map_or(0.0, |w| w.abs()),
+        _ => values.first().copied().unwrap_or(0.0),
+    }
 }
 
 fn is_held(channel: &Channel) -> bool {
@@ -94,6 +132,7 @@ fn distance(channel: &Channel, held: &Held) -> f32 {
 mod tests {
     use super::*;
     use glam::Quat;
+    use proptest::prelude::*;
 
     fn turn(target: usize, radians: f32) -> Channel {
         Channel {
@@ -136,6 +175,26 @@ mod tests {
         let mut clips = before.clone();
         assert_eq!(share_constants(&mut clips, &[0.0, 1.0]), 0);
         assert_eq!(clips, before);
+    }
+
+    proptest! {
+        #[test]
+        fn no_value_is_nearer_than_the_one_that_is_found(
+            angles in proptest::collection::vec(-7.0f32..7.0, 1..40),
+            wanted in -7.0f32..7.0,
+            most in 0.01f32..1.0,
+        ) {
+            let mut known = KnownValues::default();
+            for angle in &angles {
+                let of = clip(&[*angle], 1e-4);
+                known.add(held(&of.clip.channels[0], of.steps[0]));
+            }
+            let channel = turn(0, wanted);
+            let found = known.nearest(&channel, most).map(|held| distance(&channel, held));
+            let all = known.all.iter().map(|held| distance(&channel, held));
+            let least = all.fold(f32::INFINITY, f32::min);
+            prop_assert_eq!(found, (least <= most).then_some(least));
+        }
     }
 
     #[test]

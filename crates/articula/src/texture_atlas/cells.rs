@@ -53,15 +53,14 @@ impl Cells {
                 );
             }
         }
-        let mut decoded = BTreeMap::new();
-        for (m, picture) in shifts
-            .keys()
-            .flat_map(|m| shown[*m].textures.keys().map(move |i| (*m, *i)))
-        {
-            let bytes = character.images.get(picture).map(|image| &image.bytes);
-            match bytes.and_then(|bytes| Picture::decode(bytes).ok()) {
-                Some(found) => _ = decoded.insert(picture, found),
-                None => _ = reasons.insert(m, "a picture of it cannot be decoded"),
+        let decode = |i: &usize| {
+            let image = character.images.get(*i)?;
+            Some((*i, Picture::decode(&image.bytes).ok()?))
+        };
+        let decoded: BTreeMap<usize, Picture> = kinds.keys().filter_map(decode).collect();
+        for m in shifts.keys() {
+            if shown[*m].textures.keys().any(|i| !decoded.contains_key(i)) {
+                reasons.insert(*m, "a picture of it cannot be decoded");
             }
         }
         spread(&shown, &mut reasons);

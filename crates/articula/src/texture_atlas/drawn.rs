@@ -6,51 +6,46 @@ use crate::error::Result;
 use articula_flat::{Averaging, Picture};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The pictures of all cells.
-pub(super) struct Drawn<'a>(pub(super) &'a Cells);
+/// Width and height of each cell: those of its largest picture.
+pub(super) fn sizes(cells: &Cells) -> Vec<[u32; 2]> {
+    let largest = |pictures: &BTreeMap<usize, String>| {
+        let all = pictures.keys().map(|i| &cells.decoded[i]);
+        all.fold([1, 1], |[width, height], of| {
+            [width.max(of.width()), height.max(of.height())]
+        })
+    };
+    cells
+        .cells
+        .iter()
+        .map(|cell| largest(&cell.pictures))
+        .collect()
+}
 
-impl Drawn<'_> {
-    /// Width and height of each cell: those of its largest picture.
-    pub(super) fn sizes(&self) -> Vec<[u32; 2]> {
-        let largest = |pictures: &BTreeMap<usize, String>| {
-            let all = pictures.keys().map(|i| &self.0.decoded[i]);
-            all.fold([1, 1], |[width, height], of| {
-                [width.max(of.width()), height.max(of.height())]
-            })
-        };
-        self.0
-            .cells
-            .iter()
-            .map(|cell| largest(&cell.pictures))
-            .collect()
+/// A picture file for each kind of texture, with the pictures that it stands for.
+pub(super) fn pictures(
+    cells: &Cells,
+    places: &Places,
+    averaging: &dyn Fn(usize) -> Averaging,
+) -> Result<Vec<(BTreeSet<usize>, Vec<u8>)>> {
+    let mut kinds: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
+    for (picture, kind) in cells.cells.iter().flat_map(|cell| &cell.pictures) {
+        kinds.entry(kind).or_default().insert(*picture);
     }
-
-    /// A picture file for each kind of texture, with the pictures that it stands for.
-    pub(super) fn pictures(
-        &self,
-        places: &Places,
-        averaging: &dyn Fn(usize) -> Averaging,
-    ) -> Result<Vec<(BTreeSet<usize>, Vec<u8>)>> {
-        let mut kinds: BTreeMap<&str, BTreeSet<usize>> = BTreeMap::new();
-        for (picture, kind) in self.0.cells.iter().flat_map(|cell| &cell.pictures) {
-            kinds.entry(kind).or_default().insert(*picture);
-        }
-        let drawn = kinds.into_iter().map(|(kind, pictures)| {
-            let side = places.side_px;
-            let mut atlas = Picture::new(side, side, [0, 0, 0, 255])?;
-            for (cell, place) in self.0.cells.iter().zip(&places.rectangles) {
-                let of_kind = cell.pictures.iter().find(|(_, of)| of.as_str() == kind);
-                if let Some((i, _)) = of_kind {
-                    let [left, top, width, height] = *place;
-                    let small = self.0.decoded[i].resized((width, height), averaging(*i))?;
-                    let framed = framed(&small, [width, height])?;
-                    atlas.put(&framed, left - GUTTER, top - GUTTER);
-                }
+    let drawn = kinds.into_iter().map(|(kind, pictures)| {
+        let side = places.side_px;
+        let mut atlas = Picture::new(side, side, [0, 0, 0, 255])?;
+        for (cell, place) in cells.cells.iter().zip(&places.rectangles) {
+            let of_kind = cell.pictures.iter().find(|(_, of)| of.as_str() == kind);
+            if let Some((i, _)) = of_kind {
+                let [left, top, width, height] = *place;
+                let small = cells.decoded[i].resized((width, height), averaging(*i))?;
+                let framed = framed(&small, [width, height])?;
+                atlas.put(&framed, left - GUTTER, top - GUTTER);
             }
-            Ok((pictures, atlas.to_small_png()?))
-        });
-        drawn.collect()
-    }
+        }
+        Ok((pictures, atlas.to_small_png()?))
+    });
+    drawn.collect()
 }
 
 /// A picture at a size, with a gutter that repeats its border.

@@ -13,7 +13,6 @@ use articula_flat::Averaging;
 use articula_formats::Limits;
 use articula_formats::gltf::{MeshGeometry, read_document};
 use cells::Cells;
-use drawn::Drawn;
 use packed::Places;
 use std::collections::BTreeSet;
 
@@ -59,9 +58,8 @@ impl CharacterFile {
             true => Averaging::Numbers,
             false => Averaging::Light,
         };
-        let drawn = Drawn(&cells);
-        let places = Places::new(&drawn.sizes(), longest_px)?;
-        let pictures = drawn.pictures(&places, &averaging)?;
+        let places = Places::new(&drawn::sizes(&cells), longest_px)?;
+        let pictures = drawn::pictures(&cells, &places, &averaging)?;
         let mut gltf = gltf.clone();
         let moved = moved(self.character(), &cells, &places);
         let meshes = moved.iter().zip(&gltf.node_of_mesh);

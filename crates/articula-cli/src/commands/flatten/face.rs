@@ -2,18 +2,15 @@
 
 use super::arguments::ConvertArgs;
 use crate::commands::face_shapes::{self, MadeFace};
+use crate::commands::speak;
 use crate::console::Console;
 use crate::{fault, files, open};
-use anyhow::Context;
 use articula::CharacterFile;
 use articula::build::face::FapInterval;
 use articula::face::{FaceTransfer, FittedFace, add_face_table, fit_motion};
-use articula::speech::{Sound, SpeechOptions, VisemeTrack, fit_speech};
+use articula::speech::{SpeechOptions, fit_speech};
 use serde::Serialize;
 use std::path::Path;
-
-/// Largest recording that is read.
-const MAX_SOUND_BYTES: u64 = 1 << 30;
 
 /// What the face of a character was given.
 #[derive(Debug, Default)]
@@ -93,18 +90,9 @@ fn is_voice(path: &Path) -> bool {
 
 /// What a face does while it speaks a recording.
 fn spoken(path: &Path, opened: &CharacterFile, console: &Console) -> anyhow::Result<FittedFace> {
-    let place = files::shown(path);
-    let bytes = files::read(path, MAX_SOUND_BYTES)?;
-    let sound = Sound::from_wav(&bytes).with_context(|| place.clone())?;
-    let bar = console.progress("listening", 1);
-    let track = VisemeTrack::recognised(&sound);
-    bar.finish_and_clear();
-    Ok(fit_speech(
-        &track,
-        &place,
-        opened,
-        &SpeechOptions::default(),
-    )?)
+    let track = speak::recognised(&speak::recording(path)?, console);
+    let options = SpeechOptions::default();
+    Ok(fit_speech(&track, &files::shown(path), opened, &options)?)
 }
 
 /// Where the recording is heard, if the result does not hold it.

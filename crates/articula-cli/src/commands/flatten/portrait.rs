@@ -23,9 +23,10 @@ const YAWS_DEG: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
 /// Error above which eyes and mouths of a portrait fall apart, levels of 0 to 255. Heads that hold together
 /// have 4 to 24, those whose eyes do not 36 and more.
 const FALLEN_APART_LEVELS: f64 = 30.0;
-/// Numbers of triangles that are tried, the last first, and the error of the front picture with which the first
-/// is taken, levels of 0 to 255: hair and lips with more are ragged.
-const COUNTS_DOWN: [usize; 3] = [3000, 2000, 1000];
+/// Numbers of triangles that are tried before the greatest, and the error of the front picture with which one is taken,
+/// levels of 0 to 255: hair and lips with more are ragged.
+const FEWER: [usize; 2] = [1000, 2000];
+const MOST: usize = 3000;
 const GOOD_LEVELS: f64 = 12.0;
 /// Maximum size of an embedded picture or sound in bytes.
 const MAX_BYTES: u64 = 64 << 20;
@@ -144,14 +145,13 @@ fn made<'a>(
     if let Some(count) = args.shot.triangles {
         return with(count as usize);
     }
-    let [last, fewer @ ..] = COUNTS_DOWN;
-    for count in fewer.into_iter().rev() {
+    for count in FEWER {
         let (shot, portrait) = with(count)?;
         if turned_error(&portrait, &shot, options, 0.0)?.image_rmse_levels <= GOOD_LEVELS {
             return Ok((shot, portrait));
         }
     }
-    with(last)
+    with(MOST)
 }
 
 /// The error of the portrait with its head turned.

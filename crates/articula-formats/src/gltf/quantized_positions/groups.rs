@@ -1,8 +1,8 @@
 //! Meshes and skins that have one grid of positions.
 
 use super::super::append::index;
+use super::super::extension::VARIANTS;
 use super::super::place::Place;
-use super::super::vertex_order::VARIANTS;
 use crate::error::ReadError;
 use std::collections::{BTreeMap, BTreeSet};
 
