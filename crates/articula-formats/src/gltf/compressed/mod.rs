@@ -99,8 +99,8 @@ impl Document {
     /// compressed arrays.
     ///
     /// Values are within half of their step, offsets by morph targets together with their position; components of rotations within one. Normals and tangents
-    /// have 8 bits; colours have 8 bits. Sparse arrays become dense, and with
-    /// EXT_meshopt_compression offsets by morph targets that are mostly zero become sparse. Arrays that are integers already, and
+    /// have 8 bits; colours have 8 bits. Sparse arrays become dense, and
+    /// offsets by morph targets that are mostly zero sparse, but not with KHR_meshopt_compression, which has zeros for next to nothing. Arrays that are integers already, and
     /// pictures, are kept to the bit. A document that is not [compressible](Self::is_compressible) is
     /// written as it is.
     ///

@@ -1,27 +1,51 @@
 //! Offsets by morph targets that are mostly zero as sparse accessors.
 //!
 //! Bitstream v0 stores the kind of each 16 bytes even where all are zero, 3 bytes for 16 vertices. So an array
-//! with few offsets is shorter as the places of those and their values. Bitstream v1 has blocks of zeros for next
-//! to nothing.
+//! with few offsets is shorter as the places of those and their values, and more so without compression. Bitstream
+//! v1 has blocks of zeros for next to nothing.
 
 use super::super::accessor::Component;
 use super::super::append::{entries_mut, object, set};
+use super::Compression;
 use super::array::{Array, Part};
 use super::element::Elements;
 use super::role::Role;
 use serde_json::{Value, json};
 
-/// Bytes of a vertex of no offset in bitstream v0, and of the place of one in a sparse array, as measured on faces.
-const DENSE: f64 = 3.0 / 16.0;
-const PLACE: f64 = 0.45;
+/// Bytes of a vertex without an offset in a dense array, and of one with an offset in a sparse array, as far as they
+/// decide which is shorter.
+struct Bytes {
+    dense: f64,
+    place: f64,
+}
+
+/// In bitstream v0, as measured on faces.
+const OF_V0: Bytes = Bytes {
+    dense: 3.0 / 16.0,
+    place: 0.45,
+};
+/// Of floats without compression.
+const PLAIN: Bytes = Bytes {
+    dense: 12.0,
+    place: 16.0,
+};
 /// Bytes of JSON of a sparse array.
 const JSON: f64 = 150.0;
 
 /// Splits arrays of offsets that are shorter so.
-pub(super) fn with_sparse(json: &mut Value, arrays: Vec<Array>) -> Vec<Array> {
+pub(super) fn with_sparse(
+    json: &mut Value,
+    arrays: Vec<Array>,
+    compression: Compression,
+) -> Vec<Array> {
+    let bytes = match compression {
+        Compression::Ext => &OF_V0,
+        Compression::Khr => return arrays,
+        Compression::Quantized | Compression::None => &PLAIN,
+    };
     let mut out = Vec::with_capacity(arrays.len());
     for array in arrays {
-        match sparse(&array) {
+        match sparse(&array, bytes) {
             Some(parts) => {
                 let accessor = &mut entries_mut(json, "accessors")[array.accessor];
                 describe(accessor, &array.elements, &parts);
@@ -34,7 +58,7 @@ pub(super) fn with_sparse(json: &mut Value, arrays: Vec<Array>) -> Vec<Array> {
 }
 
 /// The places and values of an array of mostly zeros.
-fn sparse(array: &Array) -> Option<[Array; 2]> {
+fn sparse(array: &Array, bytes: &Bytes) -> Option<[Array; 2]> {
     let elements = &array.elements;
     let is_float = elements.component == Component::F32 && elements.stride == 12;
     let is_offset = matches!(array.role, Role::Offsets { .. } | Role::NormalOffsets);
@@ -49,7 +73,7 @@ fn sparse(array: &Array) -> Option<[Array; 2]> {
     let each = elements.bytes.chunks_exact(elements.stride);
     let moved = each.enumerate().filter(|(_, element)| !is_zero(element));
     let (places, values): (Vec<u32>, Vec<&[u8]>) = moved.map(|(i, e)| (i as u32, e)).unzip();
-    let saved = DENSE * elements.count as f64 - PLACE * places.len() as f64;
+    let saved = bytes.dense * elements.count as f64 - bytes.place * places.len() as f64;
     // The format wants at least one element.
     if places.is_empty() || saved < JSON {
         return None;
@@ -158,15 +182,20 @@ mod tests {
             weights: WeightPrecision::Byte,
         };
         let far = 0.5 * 3.0f32.sqrt() * STEP + 1e-6;
-        for compression in [Compression::Ext, Compression::Khr] {
+        for compression in [
+            Compression::Ext,
+            Compression::Khr,
+            Compression::Quantized,
+            Compression::None,
+        ] {
             let glb = document.write_compressed(compression, &precision).unwrap();
             let file = read(&glb, &Limits::default(), &mut |_| Err("none".into())).unwrap();
             let json = &file.value.document.json;
             let target = &json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"];
             let accessor = &json["accessors"][target.as_u64().unwrap() as usize];
             match compression {
-                Compression::Ext => assert_eq!(accessor["sparse"]["count"], 15),
-                _ => assert_eq!(accessor["componentType"], 5122),
+                Compression::Khr => assert_eq!(accessor["componentType"], 5122),
+                _ => assert_eq!(accessor["sparse"]["count"], 15),
             }
             let [wanted, found] = [&character, &file.value.character]
                 .map(|character| &character.meshes[0].primitives[0]);

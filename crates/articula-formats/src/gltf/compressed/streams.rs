@@ -62,9 +62,7 @@ pub(super) fn write(
     })?;
     share_equal(&mut document, &mut arrays);
     share_samplers(&mut document.json);
-    if compression == Compression::Ext {
-        arrays = sparse::with_sparse(&mut document.json, arrays);
-    }
+    arrays = sparse::with_sparse(&mut document.json, arrays, compression);
     let mut out = Output::new(&mut document, compression, &arrays);
     let mut streams: BTreeMap<Kind, Vec<&Array>> = BTreeMap::new();
     for array in &arrays {
