@@ -126,5 +126,5 @@ pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
 };
 pub use surface_error::{ChangedTriangles, greatest_surface_error};
-pub use vertex_error::{PosedVertices, greatest_vertex_error};
+pub use vertex_error::{PosedVertices, ReferenceClip, greatest_vertex_error};
 pub use watched_poses::watched_poses;

@@ -54,6 +54,11 @@ impl Document {
         old
     }
 
+    /// Removes all animations, with the data that only they used.
+    pub fn remove_animations(&mut self) {
+        self.take_animations();
+    }
+
     /// Drops those of the given accessors that are no longer referenced, with the data that only
     /// they used.
     pub(super) fn drop_unnamed(&mut self, accessors: BTreeSet<usize>) {

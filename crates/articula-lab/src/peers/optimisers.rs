@@ -28,6 +28,8 @@ pub(crate) struct Judged {
     pub(crate) height_mm: f64,
     /// Bytes without pictures.
     pub(crate) bytes: usize,
+    /// Bytes of the JSON document.
+    pub(crate) json: usize,
     /// Bytes of the pictures.
     pub(crate) pictures: usize,
     /// Bytes without pictures, after brotli.
@@ -48,16 +50,35 @@ pub(crate) fn are_there() -> Result<bool> {
     Ok(is_there)
 }
 
-/// Writes the file of every peer for a source into a folder.
-pub(crate) fn files(source: &Path, folder: &Path) -> Result<Vec<PeerFile>> {
-    answer("files.mjs", &[source, folder])
+/// How files are judged beside their source.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Judge<'a> {
+    /// Vertices are followed.
+    Vertices,
+    /// Vertices of this character are followed, which plays the clips of the files.
+    VerticesOf(&'a Path),
+    /// Surfaces are compared, whatever their triangles.
+    Surfaces,
 }
 
-/// Judges files beside their source; those of clips alone on the skin of a character.
-pub(crate) fn judged(skin: Option<&Path>, source: &Path, files: &[&Path]) -> Result<Vec<Judged>> {
-    let skin = skin.map_or(Vec::new(), |skin| vec![Path::new("--skin"), skin]);
-    let rows: Vec<Judged> = answer("errors.mjs", &[&skin, &[source][..], files].concat())?;
-    ensure!(rows.len() == files.len(), "errors.mjs left files out");
+/// Writes the file of every peer for a source into a folder, with a part of its triangles if one is given.
+pub(crate) fn files(source: &Path, folder: &Path, part: Option<&str>) -> Result<Vec<PeerFile>> {
+    let part = part.map(Path::new);
+    let words: Vec<&Path> = [source, folder].into_iter().chain(part).collect();
+    answer("files.mjs", &words)
+}
+
+/// Judges files beside their source.
+pub(crate) fn judged(judge: Judge<'_>, source: &Path, files: &[&Path]) -> Result<Vec<Judged>> {
+    let (script, mut words) = match judge {
+        Judge::Vertices => ("errors.mjs", vec![]),
+        Judge::VerticesOf(skin) => ("errors.mjs", vec![Path::new("--skin"), skin]),
+        Judge::Surfaces => ("surfaces.mjs", vec![]),
+    };
+    words.push(source);
+    words.extend(files);
+    let rows: Vec<Judged> = answer(script, &words)?;
+    ensure!(rows.len() == files.len(), "{script} left files out");
     Ok(rows)
 }
 

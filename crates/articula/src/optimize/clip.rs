@@ -2,12 +2,12 @@
 
 use super::OptimizeOptions;
 use super::optimized_clip::OptimizedClip;
-use super::source::Source;
+use super::references::References;
 use crate::error::{Context, Result};
+use articula_build::ReferenceClip;
 use articula_build::clip_edit::{
     EditSubject, ReduceOptions, Timelines, reduce_keys, value_tolerances,
 };
-use articula_build::{PosedVertices, greatest_vertex_error};
 use articula_core::Articulation;
 use articula_core::source::RawClip;
 use articula_formats::gltf::{KeySteps, compressed_clip_bytes, rounded_clip};
@@ -31,29 +31,18 @@ const TIME_SHARE: f32 = 0.1;
 const FINER: f32 = 0.25;
 const FINEST: usize = 8;
 
-/// The character whose clips are made smaller, and its mesh as it will be stored.
+/// The character whose clips are made smaller, and its clips as its stored mesh shows them.
 pub(super) struct Subject<'a> {
-    source: &'a Source,
-    wanted: PosedVertices<'a>,
-    stored: PosedVertices<'a>,
-    /// The vertices of both that refuse most trials.
-    wanted_outermost: PosedVertices<'a>,
-    stored_outermost: PosedVertices<'a>,
+    references: &'a References<'a>,
     subject: EditSubject<'a>,
 }
 
 impl<'a> Subject<'a> {
-    pub(super) fn new(source: &'a Source, stored: &'a Source) -> Result<Self> {
-        let character = source.body();
+    pub(super) fn new(references: &'a References<'a>) -> Result<Self> {
+        let character = references.source.body();
         let joints = Articulation::unmapped(character.skeleton.joints.len());
-        let (wanted, stored) = (source.posed()?, stored.posed()?);
-        let outermost = wanted.outermost();
         Ok(Self {
-            source,
-            wanted_outermost: wanted.of_vertices(&outermost),
-            stored_outermost: stored.of_vertices(&outermost),
-            wanted,
-            stored,
+            references,
             subject: EditSubject::new(character, joints, &[])?,
         })
     }
@@ -65,16 +54,18 @@ impl<'a> Subject<'a> {
         bound: f32,
         options: &OptimizeOptions,
     ) -> Result<OptimizedClip> {
-        let clip = &self.source.character.clips[index];
+        let clip = self.references.clip(index);
         let kinds = match options.reduce_keys {
             true => &[Timelines::Shared, Timelines::Own][..],
             false => &[Timelines::Own],
         };
-        let times_secs = self.time_step(clip, bound, options);
+        let times_secs = self.time_step(index, bound);
         let mut least = self.unchanged(index);
         let mut bytes = usize::MAX;
         for timelines in kinds {
-            let found = self.within(clip, (bound, times_secs), *timelines, options);
+            let bounds = (bound, times_secs);
+            let within = |clip: &ReferenceClip<'_>| self.within(clip, bounds, *timelines, options);
+            let found = self.references.measured(index, within);
             let found = found.with_context(|| format!("clip \"{}\"", clip.name))?;
             let needs =
                 |c: &OptimizedClip| compressed_clip_bytes(&c.clip, &c.steps, options.compression);
@@ -88,14 +79,17 @@ impl<'a> Subject<'a> {
     /// The clip with all its keys, to the bit.
     pub(super) fn unchanged(&self, index: usize) -> OptimizedClip {
         OptimizedClip {
-            clip: self.source.character.clips[index].clone(),
+            clip: self.references.clip(index).clone(),
             steps: Vec::new(),
         }
     }
 
     /// The step of the times of keys by which the fastest motion of a clip errs by a share of the bound.
-    fn time_step(&self, clip: &RawClip, bound: f32, options: &OptimizeOptions) -> f32 {
-        let (mut from, mut to) = (self.wanted.clone(), self.wanted.clone());
+    fn time_step(&self, index: usize, bound: f32) -> f32 {
+        let (reference, clip) = (
+            self.references.of_source(index),
+            self.references.clip(index),
+        );
         let mut times_secs = TIME_STEP;
         for _ in 0..FINEST {
             let steps = KeySteps {
@@ -106,9 +100,7 @@ impl<'a> Subject<'a> {
             for (shown, channel) in shown.channels.iter_mut().zip(&clip.channels) {
                 shown.values.clone_from(&channel.values);
             }
-            let wanted = (&mut from, Some(clip));
-            let error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
-            if error <= TIME_SHARE * bound {
+            if reference.greatest_error(&shown) <= TIME_SHARE * bound {
                 break;
             }
             times_secs *= FINER;
@@ -119,13 +111,11 @@ impl<'a> Subject<'a> {
     /// A clip whose error is within the bound and near it, if one was found.
     fn within(
         &self,
-        clip: &RawClip,
+        reference: &ReferenceClip<'_>,
         (bound, times_secs): (f32, f32),
         timelines: Timelines,
         options: &OptimizeOptions,
     ) -> Result<Option<OptimizedClip>> {
-        let (mut from, mut to) = (self.wanted.clone(), self.stored.clone());
-        let mut outermost = (self.wanted_outermost.clone(), self.stored_outermost.clone());
         let (mut scale, mut over) = (1.0f32, f32::INFINITY);
         let mut best: Option<(f32, OptimizedClip)> = None;
         let mut failures = 0;
@@ -133,15 +123,13 @@ impl<'a> Subject<'a> {
             if turn >= TRIES && best.is_some() {
                 break;
             }
-            let tried = self.tried(clip, (scale * bound, times_secs), timelines, options)?;
-            let shown = rounded_clip(&tried.clip, &tried.steps);
-            let wanted = (&mut outermost.0, Some(clip));
-            let found = (&mut outermost.1, Some(&shown));
-            let mut error = greatest_vertex_error(wanted, found, options.seed);
-            if error <= bound {
-                let wanted = (&mut from, Some(clip));
-                error = greatest_vertex_error(wanted, (&mut to, Some(&shown)), options.seed);
-            }
+            let tried = self.tried(
+                reference.clip(),
+                (scale * bound, times_secs),
+                timelines,
+                options,
+            )?;
+            let error = reference.greatest_error(&rounded_clip(&tried.clip, &tried.steps));
             let ratio = (AIM * bound / error.max(1e-3 * bound)).clamp(0.25, 2.0);
             if error > bound {
                 over = over.min(scale);

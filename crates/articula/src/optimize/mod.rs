@@ -2,7 +2,8 @@
 //!
 //! - `source`: the character before anything is rounded, and files that are written of it
 //! - `worn`: what is measured of a file of motion alone
-//! - `within`: the file within a bound; `errors`: what is measured of it
+//! - `within`: the file within a bound; `errors`: what is measured of it; `references`: clips beside which it is
+//! - `sample`: bytes of files that are not made
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `shared_constants`: held values that clips have in common
@@ -26,7 +27,9 @@ mod merged_joints;
 mod node_precision;
 mod optimized_clip;
 mod picture_file;
+mod references;
 mod report;
+mod sample;
 mod shared_constants;
 mod simplification;
 mod source;
@@ -49,6 +52,7 @@ use crate::work::Executor;
 use articula_core::Articulation;
 use articula_core::source::Character;
 use merged_joints::merged_joints;
+use sample::Sample;
 use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
 use source::Source;
 use std::sync::Arc;
@@ -224,7 +228,7 @@ impl Prepared {
                 break;
             };
             saving = match is_whole_few {
-                true => simple.saving(source, bound, options)?,
+                true => self.saving(&simple, bound, options, work)?,
                 false => Saving::Surely,
             };
             if saving == Saving::None || !is_few(simple.source.triangles()) {
@@ -253,6 +257,28 @@ impl Prepared {
             made.report.merged_joints.clone_from(&self.merged_joints);
             made
         }))
+    }
+
+    /// What fewer triangles save: of many clips, by some of them.
+    fn saving(
+        &self,
+        simple: &Simplification,
+        bound: f32,
+        options: &OptimizeOptions,
+        work: &Executor<'_>,
+    ) -> Result<Saving> {
+        let source = &self.source;
+        let saving = simple.saving(source, bound, options)?;
+        let (Some(sample), Saving::Perhaps) = (Sample::of(source), saving) else {
+            return Ok(saving);
+        };
+        let (whole, _) = sample.least(source, bound, options, work)?;
+        let left = bound - TAKEN[0] * simple.metres;
+        let (fewer, _) = sample.least(&simple.source, left, options, work)?;
+        Ok(match fewer < whole {
+            true => Saving::Surely,
+            false => Saving::None,
+        })
     }
 
     /// The file with fewer triangles, if its surface is within a bound in metres.

@@ -27,6 +27,8 @@ const TEXCOORD_STEP: f32 = 1.0 / 4096.0;
 pub(super) struct Source {
     pub(super) character: Character,
     pub(super) file: GltfSource,
+    /// The document without its animations, whose joints and meshes are the same.
+    still: Option<Document>,
     /// What is measured in place of meshes, if the file has none.
     worn: Option<Worn>,
 }
@@ -249,6 +251,7 @@ impl Source {
         let read = gltf::read_document(document, &Limits::default())?;
         let (character, file) = GltfSource::split(read.value);
         Ok(Self {
+            still: without_animations(&file.document, &character),
             character,
             file,
             worn: None,
@@ -308,6 +311,7 @@ impl Source {
         Ok(Self {
             character,
             file,
+            still: None,
             worn: None,
         })
     }
@@ -357,14 +361,14 @@ impl Source {
         self.read_again(&self.with_meshes(precision, Compression::None)?)
     }
 
-    /// The file with rounded meshes and clips as they are.
+    /// The file with rounded meshes, and clips, if it has them, as they are.
     pub(super) fn with_meshes(
         &self,
         precision: &MeshPrecision,
         compression: Compression,
     ) -> Result<Vec<u8>> {
         let arrays = precision.arrays(Vec::new());
-        let mut document = self.file.document.clone();
+        let mut document = self.still.as_ref().unwrap_or(&self.file.document).clone();
         precision.apply(&mut document)?;
         Ok(document.write_compressed(compression, &arrays)?)
     }
@@ -392,4 +396,17 @@ impl Source {
         precision.apply(&mut document)?;
         Ok(document.write_compressed(options.compression, &arrays)?)
     }
+}
+
+/// A document without its animations, if joints and meshes are not told by them.
+fn without_animations(document: &Document, character: &Character) -> Option<Document> {
+    if character.clips.is_empty() || !document.is_compressible() {
+        return None;
+    }
+    let mut still = document.clone();
+    still.remove_animations();
+    let read = gltf::read_document(still.clone(), &Limits::default()).ok()?;
+    let shown = read.value.character;
+    let is_same = shown.skeleton == character.skeleton && shown.meshes == character.meshes;
+    is_same.then_some(still)
 }

@@ -1,6 +1,6 @@
 //! The files of one character, and the fair ones among those of the peers.
 
-use crate::peers::optimisers::{self, Judged};
+use crate::peers::optimisers::{self, Judge, Judged};
 use anyhow::{Context, Result, ensure};
 use articula::Executor;
 use articula::optimize::{
@@ -14,6 +14,47 @@ pub(super) const HEIGHT_PX: f64 = 720.0;
 /// Errors in pixels: the greatest that ours is asked for, and that of a peer whose motion is not broken.
 pub(super) const MOST_ASKED_PX: f64 = 1.0;
 pub(super) const MOST_FAIR_PX: f64 = 2.0;
+/// The same of surfaces with fewer triangles: what is beyond it is another figure.
+pub(super) const MOST_OF_SURFACES_PX: f64 = 5.0;
+/// Greatest error of a source beside itself: distances to its own surface are rounded.
+const ROUNDING_MM: f64 = 1e-3;
+
+/// What is compared.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Kind {
+    /// A character with all its triangles.
+    Whole,
+    /// Clips alone, which the character of a file plays.
+    Clips(PathBuf),
+    /// A character with a part of its triangles, as the peers are asked for it.
+    Fewer(&'static str),
+}
+
+impl Kind {
+    fn judge(&self) -> Judge<'_> {
+        match self {
+            Self::Whole => Judge::Vertices,
+            Self::Clips(skin) => Judge::VerticesOf(skin),
+            Self::Fewer(_) => Judge::Surfaces,
+        }
+    }
+
+    /// The part of the triangles that peers are asked for.
+    pub(super) fn part(&self) -> Option<&'static str> {
+        match self {
+            Self::Fewer(part) => Some(part),
+            Self::Whole | Self::Clips(_) => None,
+        }
+    }
+
+    /// The greatest error of a peer that counts, and the greatest that ours is asked for, in pixels.
+    fn most_px(&self) -> [f64; 2] {
+        match self {
+            Self::Whole | Self::Clips(_) => [MOST_FAIR_PX, MOST_ASKED_PX],
+            Self::Fewer(_) => [MOST_OF_SURFACES_PX; 2],
+        }
+    }
+}
 
 /// A file of a contestant.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,19 +90,13 @@ impl Entrant {
         let judged = self.judged.as_ref()?;
         Some(judged.error_mm? * HEIGHT_PX / judged.height_mm)
     }
-
-    /// Whether its motion is not broken.
-    pub(super) fn is_fair(&self) -> bool {
-        self.error_px().is_some_and(|px| px <= MOST_FAIR_PX)
-    }
 }
 
 /// All files of one character, or of one library of clips.
 #[derive(Debug, Clone)]
 pub(super) struct Contest {
     pub(super) name: &'static str,
-    /// The character that plays the clips of a library.
-    pub(super) skin: Option<PathBuf>,
+    pub(super) kind: Kind,
     /// Bytes of the source.
     pub(super) source_bytes: usize,
     /// The source; `None` without a judge.
@@ -74,11 +109,11 @@ pub(super) struct Contest {
 }
 
 impl Contest {
-    /// Writes and judges all files of a character, or of clips that `skin` plays.
+    /// Writes and judges all files of a character, or of clips.
     pub(super) fn run(
         name: &'static str,
         path: &Path,
-        skin: Option<PathBuf>,
+        kind: Kind,
         has_peers: bool,
     ) -> Result<Self> {
         let folder = tempfile::tempdir()?;
@@ -86,7 +121,7 @@ impl Contest {
         std::fs::copy(path, &source).with_context(|| path.display().to_string())?;
         let mut contest = Self {
             name,
-            skin,
+            kind,
             source_bytes: std::fs::metadata(&source)?.len() as usize,
             source: None,
             peers: Vec::new(),
@@ -96,7 +131,12 @@ impl Contest {
         if has_peers {
             contest.add_peers(&source, folder.path())?;
         }
-        for is_khr in [false, true] {
+        // With fewer triangles all contestants are beside the smallest alone, whatever it needs.
+        let extensions = match contest.kind {
+            Kind::Fewer(_) => &[true][..],
+            Kind::Whole | Kind::Clips(_) => &[false, true],
+        };
+        for &is_khr in extensions {
             let ours = contest.ours(path, &source, folder.path(), is_khr)?;
             contest.ours.push(ours);
         }
@@ -104,13 +144,14 @@ impl Contest {
     }
 
     fn add_peers(&mut self, source: &Path, folder: &Path) -> Result<()> {
-        let written = optimisers::files(source, folder)?;
+        let written = optimisers::files(source, folder, self.kind.part())?;
         let mut paths = vec![source];
         paths.extend(written.iter().filter_map(|peer| peer.file.as_deref()));
-        let mut judged = optimisers::judged(self.skin.as_deref(), source, &paths)?.into_iter();
+        let mut judged = optimisers::judged(self.kind.judge(), source, &paths)?.into_iter();
         self.source = judged.next();
         let own = self.source.as_ref().and_then(|own| own.error_mm);
-        ensure!(own == Some(0.0), "the source differs from itself: {own:?}");
+        let is_same = own.is_some_and(|own| own <= ROUNDING_MM);
+        ensure!(is_same, "the source differs from itself: {own:?}");
         for peer in &written {
             let who = format!("{} {}", peer.peer, peer.setting);
             let Some(file) = &peer.file else {
@@ -130,11 +171,12 @@ impl Contest {
         Ok(())
     }
 
-    /// Ours at the error of the smallest peer, and at most one pixel.
+    /// Ours at the error of the smallest peer, and at most the greatest that is asked for.
     fn ours(&self, path: &Path, source: &Path, folder: &Path, is_khr: bool) -> Result<Entrant> {
         let error = match (self.smallest(is_khr), &self.source) {
             (Some(peer), Some(own)) => {
-                let most = MOST_ASKED_PX * own.height_mm / HEIGHT_PX;
+                let [_, most_px] = self.kind.most_px();
+                let most = most_px * own.height_mm / HEIGHT_PX;
                 let asked_mm = peer.error_mm().unwrap_or(most).min(most);
                 ErrorBound::Metres(1e-3 * asked_mm as f32)
             }
@@ -143,7 +185,10 @@ impl Contest {
                 height_px: HEIGHT_PX as f32,
             },
         };
-        let skin = self.skin.as_ref().map(articula::fs::open).transpose()?;
+        let skin = match &self.kind {
+            Kind::Clips(skin) => Some(articula::fs::open(skin)?),
+            Kind::Whole | Kind::Fewer(_) => None,
+        };
         let options = OptimizeOptions {
             error,
             skin: skin.map(|skin| Arc::new(skin.into_character())),
@@ -151,8 +196,8 @@ impl Contest {
                 true => Compression::Khr,
                 false => Compression::Ext,
             },
-            // Peers keep triangles and pictures too.
-            simplify: false,
+            // Peers keep pictures too.
+            simplify: matches!(self.kind, Kind::Fewer(_)),
             textures: TextureOptions {
                 format: TextureFormat::Keep,
                 ..TextureOptions::default()
@@ -165,7 +210,7 @@ impl Contest {
         let file = folder.join(format!("ours-{extension}.glb"));
         std::fs::write(&file, &optimized.glb)?;
         let judged = match self.source {
-            Some(_) => optimisers::judged(self.skin.as_deref(), source, &[&file])?
+            Some(_) => optimisers::judged(self.kind.judge(), source, &[&file])?
                 .into_iter()
                 .next(),
             None => None,
@@ -180,10 +225,16 @@ impl Contest {
         })
     }
 
+    /// Whether the motion of a peer is not broken, nor its surface another.
+    pub(super) fn is_fair(&self, peer: &Entrant) -> bool {
+        let [most_px, _] = self.kind.most_px();
+        peer.error_px().is_some_and(|px| px <= most_px)
+    }
+
     /// The smallest fair file of a peer; without KHR_meshopt_compression only those that do not need it.
     pub(super) fn smallest(&self, with_khr: bool) -> Option<&Entrant> {
         let all = self.peers.iter();
-        let fair = all.filter(|peer| peer.is_fair() && (with_khr || !peer.is_khr));
+        let fair = all.filter(|peer| self.is_fair(peer) && (with_khr || !peer.is_khr));
         fair.min_by_key(|peer| peer.bytes())
     }
 
@@ -216,6 +267,7 @@ pub(super) mod tests {
                 error_mm: Some(error_mm),
                 height_mm: 720.0,
                 bytes,
+                json: bytes / 4,
                 pictures: 10,
                 brotli: bytes / 2,
             }),
@@ -225,7 +277,7 @@ pub(super) mod tests {
     pub(in super::super) fn contest() -> Contest {
         Contest {
             name: "a figure",
-            skin: None,
+            kind: Kind::Whole,
             source_bytes: 1010,
             source: entrant("", 1000, 0.0).judged,
             peers: vec![
@@ -236,6 +288,20 @@ pub(super) mod tests {
             faults: Vec::new(),
             ours: vec![entrant("EXT", 150, 0.5), entrant("-cz ours", 120, 0.9)],
         }
+    }
+
+    #[test]
+    fn with_fewer_triangles_a_greater_error_is_fair() {
+        let fewer = Contest {
+            kind: Kind::Fewer("0.7"),
+            peers: vec![
+                entrant("-cz -si 0.7", 80, 5.5),
+                entrant("-cz -af 0 -si 0.7", 90, 4.5),
+                entrant("-cc -si 0.7", 100, 1.0),
+            ],
+            ..contest()
+        };
+        assert_eq!(fewer.smallest(true).unwrap().bytes(), Some(90));
     }
 
     #[test]

@@ -11,7 +11,8 @@ mod page;
 use super::Run;
 use crate::peers::optimisers::{self, MISSING};
 use anyhow::{Context, Result};
-use contest::Contest;
+use contest::{Contest, Kind};
+use std::path::Path;
 
 /// A character of the table.
 struct Entry {
@@ -115,6 +116,20 @@ const LIBRARIES: [(Entry, &str); 9] = [
 const KAYKIT: &str = "glb/kaykit_mannequin/manny_med_mod.gltf";
 const VIVERSE: &str = "glb/viverse/mannequin.glb";
 
+/// Characters with triangles to spare, and the parts of their triangles that peers are asked for.
+const WITH_FEWER: [&str; 9] = [
+    "Quaternius figure",
+    "mannequiny",
+    "pab",
+    "dancer, 52 morphs",
+    "man, still",
+    "CesiumMan",
+    "Fox",
+    "Godette (VRM)",
+    "head, 17 morphs",
+];
+const PARTS: [&str; 2] = ["0.7", "0.35"];
+
 /// The character of a small run, which is without peers.
 const SMALL: &str = "head, 17 morphs";
 
@@ -132,21 +147,28 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     if !has_peers && !run.small {
         println!("skipped: {MISSING}");
     }
-    let shown = |e: &&Entry| match &choice.only {
-        Some(only) => e.name.contains(only.as_str()),
-        None => !run.small || e.name == SMALL,
+    let is_shown = |name: &str| match &choice.only {
+        Some(only) => name.contains(only.as_str()),
+        None => !run.small || name == SMALL,
     };
-    let characters = CHARACTERS.iter().map(|entry| (entry, None));
-    let libraries = LIBRARIES.iter().map(|(entry, skin)| (entry, Some(*skin)));
     let mut all = Vec::new();
-    for (entry, skin) in characters
-        .chain(libraries)
-        .filter(|(entry, _)| shown(entry))
-    {
-        let path = run.data.join(entry.file);
-        let skin = skin.map(|skin| run.data.join(skin));
-        let contest = Contest::run(entry.name, &path, skin, has_peers);
-        all.push(contest.with_context(|| entry.name)?);
+    for (entry, kind) in everything(&run.data) {
+        if is_shown(entry.name) && (has_peers || !matches!(kind, Kind::Fewer(_))) {
+            let contest = Contest::run(entry.name, &run.data.join(entry.file), kind, has_peers);
+            all.push(contest.with_context(|| entry.name)?);
+        }
     }
     run.save("optimize", &page::page(&all)?, &page::csv(&all)?)
+}
+
+/// All rows of the page.
+fn everything(data: &Path) -> Vec<(&'static Entry, Kind)> {
+    let whole = CHARACTERS.iter().map(|entry| (entry, Kind::Whole));
+    let clips = LIBRARIES
+        .iter()
+        .map(|(entry, skin)| (entry, Kind::Clips(data.join(skin))));
+    let has_fewer = |entry: &&Entry| WITH_FEWER.contains(&entry.name);
+    let fewer = CHARACTERS.iter().filter(has_fewer);
+    let fewer = fewer.flat_map(|entry| PARTS.map(|part| (entry, Kind::Fewer(part))));
+    whole.chain(clips).chain(fewer).collect()
 }
