@@ -55,7 +55,9 @@ async function gltfTransform(setting) {
 
 const CONTESTANTS = [
   ...SETTINGS.map((setting) => ({ peer: "gltfpack", setting, write: gltfpack })),
-  ...["meshopt", "resample meshopt"].map((setting) => ({ peer: "glTF-Transform", setting, write: gltfTransform })),
+  ...["meshopt", "resample meshopt"]
+    .map((setting) => (part ? `simplify ${part} ${setting}` : setting))
+    .map((setting) => ({ peer: "glTF-Transform", setting, write: gltfTransform })),
 ];
 const found = [];
 for (const { peer, setting, write } of CONTESTANTS) {

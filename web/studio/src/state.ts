@@ -46,7 +46,7 @@ export interface StudioState {
   yaw: number;
   /** Error in pixels that a lighter file may have. */
   lost: number;
-  compress: 'ext' | 'khr' | 'none';
+  compress: 'ext' | 'khr' | 'quantize' | 'none';
   keys: boolean;
   /** Whether all triangles, and the pictures, stay. */
   fine: boolean;
@@ -135,7 +135,7 @@ const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
   passive: ['hold', 'rest'],
   detail: ['tolerance', 'budget', 'full'],
   form: ['svg', 'player', 'lottie'],
-  compress: ['ext', 'khr', 'none'],
+  compress: ['ext', 'khr', 'quantize', 'none'],
   by: ['http', 'session'],
 };
 

@@ -20,6 +20,21 @@ function farthestJoint(page) {
   });
 }
 
+/** Makes the file lighter as the controls say, and returns the one that is downloaded and its name. */
+async function lighter(page) {
+  await page.evaluate(() => (globalThis.madeBefore = globalThis.articulaStudio.current.made));
+  await page.getByRole('button', { name: 'Make it lighter' }).click();
+  const isMade = () => {
+    const { made } = globalThis.articulaStudio.current;
+    return made !== undefined && made !== globalThis.madeBefore;
+  };
+  await page.waitForFunction(isMade, undefined, { timeout: 60_000 });
+  const downloading = page.waitForEvent('download');
+  await page.getByRole('button', { name: 'Download' }).click();
+  const download = await downloading;
+  return { bytes: readFileSync(await download.path()), name: download.suggestedFilename() };
+}
+
 export const LIGHTER = [
   {
     name: 'a file becomes the one that the program writes, and moves as before',
@@ -28,12 +43,7 @@ export const LIGHTER = [
       const { context, page, errors } = await openStudio(browser, server.address, { hash: '#lighter' });
       await openFile(page, 'knight.glb', KNIGHT);
       await slide(page, 'Error in motion', 2);
-      await page.getByRole('button', { name: 'Make it lighter' }).click();
-      await page.waitForFunction(() => globalThis.articulaStudio.current.made !== undefined, undefined, { timeout: 60_000 });
-      const downloading = page.waitForEvent('download');
-      await page.getByRole('button', { name: 'Download' }).click();
-      const download = await downloading;
-      const bytes = readFileSync(await download.path());
+      const { bytes, name } = await lighter(page);
       const native = programs.optimized(KNIGHT, '--error', '2px');
       let most = 0;
       for (let moment = 0; moment < 12; moment += 1) {
@@ -43,14 +53,18 @@ export const LIGHTER = [
       // A joint may be farther off than any vertex near it, but not by much.
       const bound = (3 * native.report.bound_mm) / 1000;
       const shown = await page.getByText('Error measured', { exact: true }).locator('xpath=following-sibling::dd').textContent();
+      await page.getByLabel('Arrays', { exact: true }).selectOption('quantize');
+      const plain = await lighter(page);
+      const nativePlain = programs.optimized(KNIGHT, '--error', '2px', '--compress', 'quantize');
       const faults = await axe(page);
       await page.screenshot({ path: fileURLToPath(new URL('lighter.png', OUT)) });
       await context.close();
       return [
         ...faults,
         ...errors,
-        ...unless(download.suggestedFilename() === 'knight-lighter.glb', `its name is ${download.suggestedFilename()}`),
+        ...unless(name === 'knight-lighter.glb', `its name is ${name}`),
         ...unless(bytes.equals(native.bytes), `${bytes.length} bytes here, ${native.bytes.length} of the program, or others`),
+        ...unless(plain.bytes.equals(nativePlain.bytes), `${plain.bytes.length} bytes here without compression, ${nativePlain.bytes.length} of the program, or others`),
         ...unless(bytes.length < KNIGHT.length / 2, `${bytes.length} of ${KNIGHT.length} bytes`),
         ...unless(most > 0 && most < bound, `joints differ by ${most} m, allowed are ${bound}`),
         ...unless(shown.startsWith(`${native.report.error_mm.toFixed(2)} of`), `it says ${shown}`),

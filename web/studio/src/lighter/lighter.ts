@@ -39,7 +39,7 @@ export class LighterPage {
     const { state } = studio;
     const set = (change: Partial<StudioState>): void => studio.set(change);
     const lost = slider({ label: 'Error in motion', min: 0.25, max: 8, step: 0.25, value: state.lost, shown: (px) => `${px} px`, hint: 'Of any vertex at any time, where the figure fills a picture of 720 lines.', onInput: (px) => set({ lost: px }) });
-    const compress = choice('Arrays', [['ext', 'EXT_meshopt_compression'], ['khr', 'KHR_meshopt_compression'], ['none', 'not compressed']], state.compress, (word) => set({ compress: word as StudioState['compress'] }));
+    const compress = choice('Arrays', [['ext', 'EXT_meshopt_compression'], ['khr', 'KHR_meshopt_compression'], ['quantize', 'integers, not compressed'], ['none', 'not compressed']], state.compress, (word) => set({ compress: word as StudioState['compress'] }));
     const keys = toggle('Keep all keys', state.keys, (on) => set({ keys: on }));
     const fine = toggle('Keep all triangles', state.fine, (on) => set({ fine: on }));
     const pictures = toggle('Keep pictures', state.pictures, (on) => set({ pictures: on }));

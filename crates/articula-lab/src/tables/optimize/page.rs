@@ -29,8 +29,8 @@ sampler and the accessor of its values, whatever its keys need.
 
 With fewer triangles vertices cannot be followed, so another judge (`oracle/peers/surfaces.mjs`, three.js and three-mesh-bvh) shows
 both files in 20 or more seeded random poses and takes the greatest distance of up to 3000 vertices of either from the surface
-of the other. The peers are asked for a part of the triangles (`-si`, `simplify`); those within 5 px count, and ours is asked for
-the error of the smallest.
+of the other. The peers are asked for a part of the triangles (`-si`, `simplify`), where gltfpack may stop before it is reached; those within 5 px
+count, and ours is asked for the error of the smallest.
 ";
 
 const TARGETS: &str = "Bytes over those of the smallest peer, with KHR_meshopt_compression.";
