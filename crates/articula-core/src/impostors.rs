@@ -1,6 +1,6 @@
 //! Impostors of a crowd's character: pictures that are baked once, as an option for who is far away.
 //!
-//! Source: `docs/methods/runtime.md` 4.6. The crowd knows which pose a clip shows at which time and the
+//! Source: `docs/methods/impostors.md`. The crowd knows which pose a clip shows at which time and the
 //! error; directions and pictures belong to the renderer (`docs/formats/impostor.md`). Baked by
 //! `articula-flat`.
 

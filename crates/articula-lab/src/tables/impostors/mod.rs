@@ -1,7 +1,7 @@
 //! Ways to show a far character at the same projected error: levels on the character's own rig, far
 //! levels on a rig of their own, and impostors.
 //!
-//! Source: `docs/methods/runtime.md` 4.6.
+//! Source: `docs/methods/impostors.md`.
 
 mod far;
 mod impostor;
