@@ -1,7 +1,7 @@
 //! Connections to the file of a catalogue: for writing, for reading, and where nothing may be written.
 #![allow(clippy::disallowed_methods, reason = "the store is a folder")]
 
-use super::fault::fault;
+use super::fault::fault_of_reading;
 use crate::error::ServeError;
 use rusqlite::{Connection, OpenFlags};
 use std::path::{Path, PathBuf};
@@ -65,7 +65,7 @@ pub(super) fn reading_only(place: &Path) -> Result<Connection, ServeError> {
     // Nobody changes a file without a log in a folder where nobody can make one.
     let unchanging = Connection::open_with_flags(uri(place), flags).and_then(opened);
     // If that fails too, the first error tells why.
-    unchanging.map_err(|_| fault(place, &error))
+    unchanging.map_err(|_| fault_of_reading(place, &error))
 }
 
 /// A connection that can read, which shows with its first statement only.

@@ -31,6 +31,23 @@ pub(super) fn fault(place: &Path, error: &Error) -> ServeError {
     ServeError::Store { place, what }
 }
 
+/// The same for who may only read.
+pub(super) fn fault_of_reading(place: &Path, error: &Error) -> ServeError {
+    match is_damage(error) {
+        true => damaged(place),
+        false => fault(place, error),
+    }
+}
+
+/// What a damaged file means for who may only read.
+pub(super) fn damaged(place: &Path) -> ServeError {
+    ServeError::Store {
+        place: place.display().to_string(),
+        what: "the catalogue is damaged; start the server once without --read-only, which saves what can be read of it"
+            .to_owned(),
+    }
+}
+
 /// Whether an error says that a file is damaged, or none of SQLite's.
 pub(super) fn is_damage(error: &Error) -> bool {
     let code = error.sqlite_error_code();

@@ -3,7 +3,7 @@
 
 use super::connection::{reading_only, set_up, writing};
 use super::damaged;
-use super::fault::{fault, is_damage};
+use super::fault::{self, fault, is_damage};
 use super::schema::{VERSION, is_ours, migrate, version};
 use crate::error::ServeError;
 use rusqlite::Connection;
@@ -52,7 +52,6 @@ pub(super) fn to_read(place: &Path) -> Result<Option<Connection>, ServeError> {
         return Ok(None);
     }
     let db = reading_only(place)?;
-    let damaged = "the catalogue is damaged; start the server once without --read-only, which saves what can be read of it";
     match check_form(place, &db) {
         Ok(VERSION) => Ok(Some(db)),
         Ok(0) => Ok(None),
@@ -60,7 +59,7 @@ pub(super) fn to_read(place: &Path) -> Result<Option<Connection>, ServeError> {
             let what = "an earlier version wrote this catalogue; start the server once without --read-only";
             Err(refusal(place, what))
         }
-        Err(Unfit::Damaged) => Err(refusal(place, damaged)),
+        Err(Unfit::Damaged) => Err(fault::damaged(place)),
         Err(Unfit::Refused(error)) => Err(error),
     }
 }

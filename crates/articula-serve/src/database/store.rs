@@ -20,8 +20,9 @@ const MOST_READERS: usize = 8;
 pub(crate) struct Database {
     place: PathBuf,
     kind: Kind,
-    writer: Mutex<Writer>,
+    /// Closed before the writer, which as the last one moves the log into the file and removes it.
     readers: Mutex<Vec<Connection>>,
+    writer: Mutex<Writer>,
 }
 
 /// How a catalogue is used.

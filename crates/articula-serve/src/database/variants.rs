@@ -3,6 +3,10 @@
 use super::jobs::{ItemRow, put_item};
 use rusqlite::{Connection, OptionalExtension, params};
 
+/// The form of a query for a cut, and for a GLB.
+pub(crate) const CUT: &str = "cut";
+pub(crate) const GLB: &str = "glb";
+
 /// Which object a query made.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Variant {
@@ -10,7 +14,7 @@ pub(crate) struct Variant {
     pub(crate) variant: String,
     /// The manifest of the item.
     pub(crate) item: String,
-    /// `cut` or `glb`.
+    /// [`CUT`] or [`GLB`].
     pub(crate) form: String,
     /// The query; what an earlier version recorded has none.
     pub(crate) query: Option<String>,
