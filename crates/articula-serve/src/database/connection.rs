@@ -89,7 +89,8 @@ fn uri(place: &Path) -> String {
     uri + "?immutable=1"
 }
 
-#[cfg(all(test, unix))]
+#[cfg(unix)]
+#[cfg(test)]
 mod tests {
     use super::*;
 
