@@ -296,7 +296,11 @@ impl Catalogue {
     /// A stage of a job is made.
     pub(crate) fn stage(&self, of: &Taken, served: &Served) -> Result<(), ServeError> {
         let row = served.row();
-        self.0.database.write(|db| jobs::stage(db, &of.job, &row))?;
+        match self.0.database.write(|db| jobs::stage(db, &of.job, &row)) {
+            // It is served; only the row is late.
+            Ok(()) | Err(ServeError::Locked { .. }) => {}
+            Err(error) => return Err(error),
+        }
         self.0
             .characters
             .set(&of.job, &Progress::Packaging, Some(served));

@@ -76,17 +76,30 @@ fn run(catalogue: &Catalogue, is_over: &AtomicBool) {
 
 /// Does a job, or finds that it is done, or that there is another file by now.
 fn made(catalogue: &Catalogue, of: &Taken, is_over: &AtomicBool) -> Result<(), ServeError> {
-    if !catalogue.begin(of)? {
+    if !patiently(is_over, || catalogue.begin(of))? {
         return Ok(());
     }
     let source = Source::read(&of.path)?;
     let hash = source.hash().to_hex();
     if job_of(&hash, catalogue.options()) != of.job {
-        return catalogue.renew(of);
+        return patiently(is_over, || catalogue.renew(of));
     }
     let item = packaged(catalogue, of, &source, is_over)?;
     let served = Served::store(&item, catalogue.objects())?;
-    catalogue.finish(of, &served)
+    patiently(is_over, || catalogue.finish(of, &served))
+}
+
+/// Writes once no other program does: what a thread makes is not given up for that.
+fn patiently<T>(
+    is_over: &AtomicBool,
+    write: impl Fn() -> Result<T, ServeError>,
+) -> Result<T, ServeError> {
+    loop {
+        match write() {
+            Err(ServeError::Locked { .. }) if !is_over.load(Ordering::Acquire) => {}
+            written => return written,
+        }
+    }
 }
 
 /// Makes the item of a character, and serves its stages.

@@ -71,23 +71,27 @@ fn other_programs_read_the_jobs_while_they_are_done() {
             "{counted}"
         );
     }
-    // What a client may not wait for holds up nobody else.
+    // Another program that writes for long holds up what changes something, and nothing else.
+    let captioned = folder.path().join("captioned.vtt");
+    std::fs::write(captioned, "WEBVTT\n").unwrap();
+    let put = |name: &str| {
+        let path = format!("/v1/characters/{name}");
+        server.request("PUT", &path, &[], &glb)
+    };
+    assert_eq!(put("captioned").status, 202);
     db.execute_batch("BEGIN IMMEDIATE").unwrap();
     assert_eq!(server.get(path, &[]).status, 200);
     assert_eq!(server.get("/v1/devices", &[]).status, 200);
-    let late = server.request("PUT", "/v1/characters/other", &[], &glb);
+    let late = put("other");
     assert_eq!((late.status, late.header("retry-after")), (503, "1"));
-    assert!(
-        !folder.path().join("other.glb").exists(),
-        "it was not accepted"
-    );
+    let other = folder.path().join("other.glb");
+    assert!(!other.exists(), "it was not accepted");
     db.execute_batch("ROLLBACK").unwrap();
-    assert_eq!(
-        server
-            .request("PUT", "/v1/characters/other", &[], &glb)
-            .status,
-        202
-    );
+    assert_eq!(put("other").status, 202);
+    // What was being packaged meanwhile is not given up.
+    assert_eq!(ready(&server, "captioned").whole.len(), 1);
+    ready(&server, "other");
+    assert_eq!(counter(&server, "articula_failed_total"), 1);
 }
 
 #[test]
