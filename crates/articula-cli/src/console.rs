@@ -75,6 +75,11 @@ impl Console {
         complain(&fault::line(error));
     }
 
+    /// Prints a line on standard error that is no error.
+    pub(crate) fn note(&self, text: &str) {
+        complain(text);
+    }
+
     /// Runs `make` with an executor that shows each step as a progress bar and runs jobs on all
     /// processors.
     pub(crate) fn work<T>(

@@ -1,67 +1,40 @@
-//! The characters of a folder, and the state of each.
+//! The characters of a folder: their files, their rows in the catalogue, and what is told of them.
 
+use crate::database::characters::CharacterRow;
+use crate::database::jobs::{self, JobState};
+use crate::database::{Database, Opened, characters, variants};
 use crate::error::ServeError;
+use crate::found::{Found, file_of};
 use crate::making::Making;
 use crate::metrics::Metrics;
 use crate::objects::{Objects, write};
 use crate::options::ServeOptions;
 use crate::packed::is_packed;
 use crate::plans::Plans;
-use crate::record::{Records, Served};
+use crate::queue::Queue;
+use crate::served::Served;
 use crate::sessions::Sessions;
-use crate::source::{PACKED, Source, names, remove_source, sources};
+use crate::source::{PACKED, names, remove_source, sources};
+use crate::state::{CharacterState, Characters, Progress};
+use crate::takeover::take_over;
 use articula::Format;
-use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, RwLock};
-use tokio::sync::{Semaphore, watch};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tokio::sync::Semaphore;
 
 /// Folder of what the server makes, in that of the characters.
 const MADE: &str = ".articula";
+/// The catalogue, in that folder.
+const DATABASE: &str = "catalogue.sqlite3";
 /// Longest name in bytes.
 const LONGEST: usize = 100;
 
-/// How far a character is.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case", tag = "state", content = "why")]
-pub enum Progress {
-    /// It waits for a thread that packages.
-    Waiting,
-    /// It is being packaged; stages are served.
-    Packaging,
-    /// All of it is served.
-    Ready,
-    /// It cannot be packaged, for this reason.
-    Failed(String),
-}
-
-/// The state of a character.
-#[derive(Debug, Clone)]
-pub struct CharacterState {
-    /// How far it is.
-    pub progress: Progress,
-    /// What of it is served.
-    pub(crate) served: Option<Served>,
-}
-
-/// A character that waited to be packaged.
+/// A job that a thread has.
 #[derive(Debug)]
-pub(crate) struct Waiting {
-    name: String,
-    pub(crate) file: PathBuf,
-    generation: u64,
-}
-
-/// A character of the folder.
-#[derive(Debug)]
-struct Character {
-    file: PathBuf,
-    /// The file of the record of what it was packaged to.
-    record: PathBuf,
-    /// Raised with each file of this name.
-    generation: u64,
-    state: watch::Sender<CharacterState>,
+pub(crate) struct Taken {
+    pub(crate) job: String,
+    pub(crate) path: PathBuf,
 }
 
 /// The characters of a folder; clones share them.
@@ -73,18 +46,17 @@ struct Shared {
     root: PathBuf,
     options: ServeOptions,
     objects: Objects,
-    records: Records,
+    database: Database,
+    notes: Vec<String>,
     made: Making,
     uploads: Semaphore,
     metrics: Metrics,
     sessions: Arc<Sessions>,
     plans: Plans,
-    /// Raised whenever the state of a character changes.
-    news: watch::Sender<u64>,
-    characters: RwLock<BTreeMap<String, Character>>,
-    /// Names of those that wait.
-    queue: Mutex<VecDeque<String>>,
-    arrived: Condvar,
+    characters: Characters,
+    queue: Queue,
+    /// One file is stored or removed at a time, so that its row says what there is.
+    change: Mutex<()>,
 }
 
 impl Catalogue {
@@ -92,58 +64,142 @@ impl Catalogue {
     /// extension, and so is every item in a `.zip` or in a folder of its own. What was packaged before is ready at once.
     ///
     /// # Errors
-    /// [`ServeError::Store`] with the folder or file that cannot be read.
+    /// [`ServeError::Store`] with the folder or file that cannot be read or written, and what mends it;
+    /// [`ServeError::Locked`] if another program writes to the catalogue for long.
     pub fn open(root: &Path, options: &ServeOptions) -> Result<Self, ServeError> {
         let made = root.join(MADE);
+        let objects = Objects::new(made.join("objects"), options);
+        let place = options.catalogue.clone();
+        let is_ours = place.is_none();
+        let place = place.unwrap_or_else(|| made.join(DATABASE));
+        let opened = match options.read_only {
+            true => Opened {
+                database: Database::open_read_only(&place)?,
+                note: None,
+            },
+            false => Database::open(&place, is_ours)?,
+        };
+        let Opened { database, note } = opened;
+        let taken = take_over(&made, &objects, &database, options.read_only)?;
         let catalogue = Self(Arc::new(Shared {
             root: root.to_path_buf(),
-            objects: Objects::new(made.join("objects"), options),
-            records: Records::new(made.join("items"), options),
-            made: Making::new(made.join("queries"), options.packaging),
+            objects,
+            made: Making::new(database.read(variants::count)?, options.packaging),
+            database,
+            notes: note.into_iter().chain(taken).collect(),
             uploads: Semaphore::new(options.most_uploads),
             options: options.clone(),
             metrics: Metrics::default(),
             sessions: Sessions::new(options.most_sessions),
             plans: Plans::default(),
-            news: watch::Sender::new(0),
-            characters: RwLock::default(),
-            queue: Mutex::default(),
-            arrived: Condvar::new(),
+            characters: Characters::new(),
+            queue: Queue::default(),
+            change: Mutex::default(),
         }));
-        for file in sources(root)? {
-            let (stem, name) = names(&file);
-            let is_free = catalogue.state(&stem).is_none();
-            catalogue.add(if is_free { stem } else { name }, file)?;
-        }
+        catalogue.find()?;
         Ok(catalogue)
+    }
+
+    /// Finds the characters of the folder, and lets those wait that are not packaged.
+    fn find(&self) -> Result<(), ServeError> {
+        let known = self.0.database.read(characters::all)?;
+        let by_file: BTreeMap<_, _> = known.iter().map(|row| (&row.file, row)).collect();
+        let mut found = BTreeMap::new();
+        for path in sources(&self.0.root)? {
+            let row = by_file.get(&file_of(&path)).copied();
+            let of = Found::new(path, row, self.options())?;
+            let (stem, name) = names(&of.path);
+            let name = if found.contains_key(&stem) {
+                name
+            } else {
+                stem
+            };
+            let state = self.state_of(&of.job)?;
+            found.insert(name, (of, state));
+        }
+        if !self.options().read_only {
+            self.record(&known, &found)?;
+        }
+        for (name, (of, state)) in found {
+            self.show(name, of, state);
+        }
+        Ok(())
+    }
+
+    /// Records what was found, where it is not what was known.
+    fn record(
+        &self,
+        known: &[CharacterRow],
+        found: &BTreeMap<String, (Found, CharacterState)>,
+    ) -> Result<(), ServeError> {
+        let by_name: BTreeMap<_, _> = known.iter().map(|row| (&row.name, row)).collect();
+        self.0.database.write(|db| {
+            jobs::take_up(db)?;
+            for (name, (of, state)) in found {
+                if state.progress == Progress::Waiting {
+                    jobs::wait(db, &of.job)?;
+                }
+                let row = of.row(name);
+                if by_name.get(name) != Some(&&row) {
+                    characters::put(db, &row)?;
+                }
+            }
+            for row in known.iter().filter(|row| !found.contains_key(&row.name)) {
+                characters::remove(db, &row.name)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// How far a job is when its character is found.
+    fn state_of(&self, job: &str) -> Result<CharacterState, ServeError> {
+        let known = self.0.database.read(|db| jobs::get(db, job))?;
+        let ready = known.as_ref().filter(|of| of.state == JobState::Ready);
+        let item = ready.and_then(|of| of.item.as_deref());
+        let served = item.and_then(|item| Served::find(item, &self.0.objects));
+        let progress = match (&served, self.options().read_only) {
+            (Some(_), _) => Progress::Ready,
+            (None, false) => Progress::Waiting,
+            (None, true) => {
+                let why = known.and_then(|of| of.why);
+                let not_packaged = || "it is not packaged, and the store is read-only".to_owned();
+                Progress::Failed(why.unwrap_or_else(not_packaged))
+            }
+        };
+        Ok(CharacterState { progress, served })
+    }
+
+    /// Shows a character, which may wait.
+    fn show(&self, name: String, of: Found, state: CharacterState) {
+        let waits = state.progress == Progress::Waiting;
+        let job = of.job.clone();
+        self.0.characters.put(name, of.path, of.job, state);
+        if waits {
+            self.0.queue.push(job);
+        }
     }
 
     /// Returns the names of all characters with their states, by name.
     pub fn states(&self) -> Vec<(String, CharacterState)> {
-        let characters = read_lock(&self.0.characters);
-        let states = characters.iter();
-        states
-            .map(|(name, c)| (name.clone(), c.state.borrow().clone()))
-            .collect()
+        self.0.characters.states()
     }
 
     /// Returns the state of a character.
     pub fn state(&self, name: &str) -> Option<CharacterState> {
-        let characters = read_lock(&self.0.characters);
-        characters.get(name).map(|c| c.state.borrow().clone())
+        self.0.characters.state(name)
     }
 
-    /// Tells every later state of a character.
-    pub(crate) fn watch(&self, name: &str) -> Option<watch::Receiver<CharacterState>> {
-        let characters = read_lock(&self.0.characters);
-        characters.get(name).map(|c| c.state.subscribe())
+    /// Returns what whoever runs the server should know, a line each: that the catalogue was damaged, and what was taken over
+    /// of an earlier version.
+    pub fn notes(&self) -> &[String] {
+        &self.0.notes
     }
 
     /// Stores a character under a name, which then waits to be packaged; one of this name is replaced.
     ///
     /// # Errors
     /// [`ServeError::Name`], [`ServeError::Form`] for other bytes than those of a binary glTF, an FBX or an item in one
-    /// file, and [`ServeError::Store`].
+    /// file, [`ServeError::Full`], [`ServeError::Locked`] and [`ServeError::Store`].
     pub fn put(&self, name: &str, bytes: &[u8]) -> Result<CharacterState, ServeError> {
         check_name(name)?;
         let extension = match Format::from_bytes(bytes, "") {
@@ -153,14 +209,18 @@ impl Catalogue {
             _ => return Err(ServeError::Form),
         };
         let file = self.0.root.join(format!("{name}.{extension}"));
+        let _change = self.change();
+        let before = self.0.characters.path(name);
         write(&file, bytes)?;
-        let before = read_lock(&self.0.characters)
-            .get(name)
-            .map(|c| c.file.clone());
-        if let Some(before) = before.filter(|before| *before != file) {
-            remove_source(&before)?;
+        if let Some(before) = before.as_ref().filter(|before| **before != file) {
+            remove_source(before)?;
         }
-        self.add(name.to_owned(), file)
+        let added = self.add(name.to_owned(), file.clone());
+        if added.is_err() && before.is_none() {
+            // What was not accepted is not there at the next start.
+            let _ = remove_source(&file);
+        }
+        added
     }
 
     /// Removes a character and its file or folder; returns whether there was one. What is made of it stays until the next
@@ -169,119 +229,118 @@ impl Catalogue {
     /// # Errors
     /// [`ServeError::Store`] if the file cannot be removed; the character stays then.
     pub fn remove(&self, name: &str) -> Result<bool, ServeError> {
-        let mut characters = self
-            .0
-            .characters
-            .write()
-            .unwrap_or_else(PoisonError::into_inner);
-        let Some(known) = characters.get(name) else {
+        let _change = self.change();
+        let Some(path) = self.0.characters.path(name) else {
             return Ok(false);
         };
-        remove_source(&known.file)?;
-        characters.remove(name);
-        drop(characters);
-        self.0.news.send_modify(|count| *count += 1);
+        remove_source(&path)?;
+        self.0.characters.remove(name);
+        self.0.database.write(|db| characters::remove(db, name))?;
         Ok(true)
     }
 
-    fn add(&self, name: String, file: PathBuf) -> Result<CharacterState, ServeError> {
-        let source = Source::read(&file)?;
-        let record = self.0.records.path(&source);
-        let served = self.0.records.get(&record, &self.0.objects)?;
-        let progress = match (&served, self.0.options.read_only) {
-            (Some(_), _) => Progress::Ready,
-            (None, true) => {
-                Progress::Failed("it is not packaged, and the store is read-only".into())
+    fn change(&self) -> MutexGuard<'_, ()> {
+        self.0.change.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn add(&self, name: String, path: PathBuf) -> Result<CharacterState, ServeError> {
+        let of = Found::new(path, None, self.options())?;
+        let state = self.state_of(&of.job)?;
+        let row = of.row(&name);
+        self.0.database.write(|db| {
+            match &state.served {
+                Some(served) => jobs::finish(db, &row.job, &served.row())?,
+                None => jobs::wait(db, &row.job)?,
             }
-            (None, false) => Progress::Waiting,
-        };
-        let waits = progress == Progress::Waiting;
-        let state = CharacterState { progress, served };
-        let mut characters = self
-            .0
-            .characters
-            .write()
-            .unwrap_or_else(PoisonError::into_inner);
-        match characters.get_mut(&name) {
-            Some(known) => {
-                (known.file, known.record) = (file, record);
-                known.generation += 1;
-                known.state.send_replace(state.clone());
-            }
-            None => {
-                let sender = watch::Sender::new(state.clone());
-                let character = Character {
-                    file,
-                    record,
-                    generation: 0,
-                    state: sender,
-                };
-                characters.insert(name.clone(), character);
-            }
-        }
-        drop(characters);
-        self.0.news.send_modify(|count| *count += 1);
-        if waits {
-            let mut queue = self.queue();
-            queue.retain(|other| *other != name);
-            queue.push_back(name);
-            self.0.arrived.notify_one();
-        }
+            characters::put(db, &row)
+        })?;
+        self.show(name, of, state.clone());
         Ok(state)
     }
 
-    /// The next character to package; blocks until there is one, or `is_over`.
-    pub(crate) fn next(&self, is_over: impl Fn() -> bool) -> Option<Waiting> {
-        let mut queue = self.queue();
+    /// The next job; blocks until there is one, or `is_over`.
+    pub(crate) fn take(&self, is_over: impl Fn() -> bool) -> Option<Taken> {
         loop {
-            if is_over() {
-                return None;
+            let job = self.0.queue.take(&is_over)?;
+            match self.0.characters.path_of_job(&job) {
+                Some(path) => return Some(Taken { job, path }),
+                // Its character is gone.
+                None => self.0.queue.done(&job),
             }
-            if let Some(name) = queue.pop_front() {
-                if let Some(character) = read_lock(&self.0.characters).get(&name) {
-                    return Some(Waiting {
-                        file: character.file.clone(),
-                        generation: character.generation,
-                        name,
-                    });
-                }
-                continue;
-            }
-            queue = self
-                .0
-                .arrived
-                .wait(queue)
-                .unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    /// Wakes who waits for a character.
+    /// Wakes who waits for a job.
     pub(crate) fn wake(&self) {
-        let _queue = self.queue();
-        self.0.arrived.notify_all();
+        self.0.queue.wake();
     }
 
-    fn queue(&self) -> MutexGuard<'_, VecDeque<String>> {
-        self.0.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    /// A job is given back.
+    pub(crate) fn done(&self, of: &Taken) {
+        self.0.queue.done(&of.job);
     }
 
-    /// Sets how far a character is, and what of it is served, if that is news; nothing, if it was replaced
-    /// since.
-    pub(crate) fn set(&self, of: &Waiting, progress: Progress, served: Option<Served>) {
-        let characters = read_lock(&self.0.characters);
-        let character = characters.get(&of.name);
-        if let Some(character) = character.filter(|c| c.generation == of.generation) {
-            character.state.send_modify(|state| {
-                state.progress = progress;
-                state.served = served.or_else(|| state.served.take());
-            });
-            self.0.news.send_modify(|count| *count += 1);
+    /// Begins a job; returns whether it is to be done. It may be done already, for another file with the same bytes.
+    pub(crate) fn begin(&self, of: &Taken) -> Result<bool, ServeError> {
+        let known = self.state_of(&of.job)?;
+        if known.served.is_some() {
+            let served = known.served.as_ref();
+            self.0.characters.set(&of.job, &known.progress, served);
+            return Ok(false);
         }
+        self.0.database.write(|db| jobs::begin(db, &of.job))?;
+        self.0.characters.set(&of.job, &Progress::Packaging, None);
+        Ok(true)
     }
 
-    /// Tells of every change of the state of any character.
-    pub(crate) fn news(&self) -> watch::Receiver<u64> {
-        self.0.news.subscribe()
+    /// A stage of a job is made.
+    pub(crate) fn stage(&self, of: &Taken, served: &Served) -> Result<(), ServeError> {
+        let row = served.row();
+        match self.0.database.write(|db| jobs::stage(db, &of.job, &row)) {
+            // It is served; only the row is late.
+            Ok(()) | Err(ServeError::Locked { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        self.0
+            .characters
+            .set(&of.job, &Progress::Packaging, Some(served));
+        Ok(())
+    }
+
+    /// A job is done.
+    pub(crate) fn finish(&self, of: &Taken, served: &Served) -> Result<(), ServeError> {
+        let row = served.row();
+        let finish = |db: &_| jobs::finish(db, &of.job, &row);
+        self.0.database.write(finish)?;
+        Metrics::add(&self.0.metrics.packaged, 1);
+        self.0
+            .characters
+            .set(&of.job, &Progress::Ready, Some(served));
+        Ok(())
+    }
+
+    /// A job cannot be done. A catalogue that does not take this either is told of by the reason.
+    pub(crate) fn fail(&self, of: &Taken, error: &ServeError) {
+        let why = error.to_string();
+        let _ = self.0.database.write(|db| jobs::fail(db, &of.job, &why));
+        self.0.characters.set(&of.job, &Progress::Failed(why), None);
+    }
+
+    /// The file of a job is another one by now: its characters are found anew.
+    pub(crate) fn renew(&self, of: &Taken) -> Result<(), ServeError> {
+        let _change = self.change();
+        for name in self.0.characters.names_of_job(&of.job, &of.path) {
+            self.add(name, of.path.clone())?;
+        }
+        // Another file may have the bytes that this one had.
+        if self.0.characters.path_of_job(&of.job).is_some() {
+            self.0.queue.push(of.job.clone());
+        }
+        Ok(())
+    }
+
+    pub(crate) fn characters(&self) -> &Characters {
+        &self.0.characters
     }
 
     pub(crate) fn sessions(&self) -> &Arc<Sessions> {
@@ -305,14 +364,8 @@ impl Catalogue {
         &self.0.objects
     }
 
-    /// The records of the sources of all characters, whether they are there or not.
-    pub(crate) fn record_files(&self) -> BTreeSet<PathBuf> {
-        let characters = read_lock(&self.0.characters);
-        characters.values().map(|c| c.record.clone()).collect()
-    }
-
-    pub(crate) fn records(&self) -> &Records {
-        &self.0.records
+    pub(crate) fn database(&self) -> &Database {
+        &self.0.database
     }
 
     pub(crate) fn made(&self) -> &Making {
@@ -328,16 +381,11 @@ impl Catalogue {
         &self.0.metrics
     }
 
-    /// Checks that the folder can be read.
+    /// Checks that the folder and the catalogue can be read.
     pub(crate) fn check(&self) -> Result<(), ServeError> {
-        sources(&self.0.root).map(drop)
+        sources(&self.0.root)?;
+        self.0.database.check()
     }
-}
-
-fn read_lock(
-    characters: &RwLock<BTreeMap<String, Character>>,
-) -> std::sync::RwLockReadGuard<'_, BTreeMap<String, Character>> {
-    characters.read().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Checks a name that a client gives.

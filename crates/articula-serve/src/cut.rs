@@ -4,12 +4,13 @@
 
 use crate::answer::Answer;
 use crate::catalogue::Catalogue;
-use crate::made::{CUT, NotMade, made, whole};
+use crate::database::variants::CUT;
+use crate::made::{NotMade, made, whole};
 use crate::objects::ObjectName;
 use crate::page::path_of;
 use crate::query::{Parameters, Refusal};
-use crate::record::Served;
 use crate::reply::{CHANGING, stored};
+use crate::served::Served;
 use articula::item::{AdaptOptions, AdaptedItem, Item, Manifest, PartKind, adapt, decide};
 use articula::stream::description::Context;
 use axum::Router;

@@ -1,18 +1,16 @@
-//! Results of benchmarks by what the device is, as files: the last runs of each, one a line.
-#![allow(clippy::disallowed_methods, reason = "the store is a folder")]
+//! Results of benchmarks by what the device is: the last runs of each, in the catalogue.
 
+use crate::database::Database;
+use crate::database::devices::{self, DeviceRows};
 use crate::error::ServeError;
-use crate::objects::{ObjectName, read, write};
+use crate::objects::ObjectName;
 use articula::device::{DeviceDescription, DeviceReport};
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use rusqlite::Connection;
 
 /// Runs that are kept of a device; of more the oldest go.
 const MOST_RUNS: usize = 31;
 /// Most devices.
 pub(crate) const MOST_DEVICES: usize = 1000;
-/// Extension of the files: JSON, one report a line.
-const EXTENSION: &str = "jsonl";
 
 /// All that is known of a device.
 #[derive(Debug)]
@@ -23,96 +21,65 @@ pub(crate) struct KnownDevice {
     pub(crate) runs: usize,
 }
 
-/// A folder of results.
-#[derive(Debug)]
-pub(crate) struct DeviceStore {
-    folder: PathBuf,
+/// Adds a run to those of its device; `None` if there are too many devices.
+pub(crate) fn put(
+    database: &Database,
+    run: &DeviceReport,
+) -> Result<Option<KnownDevice>, ServeError> {
+    let rows = database.write(|db| match put_row(db, run)? {
+        Some(device) => Ok(Some(DeviceRows {
+            reports: devices::reports(db, &device)?,
+            device,
+        })),
+        None => Ok(None),
+    })?;
+    Ok(rows.and_then(known))
 }
 
-impl DeviceStore {
-    pub(crate) fn new(folder: PathBuf) -> Self {
-        Self { folder }
-    }
-
-    /// Adds a run to those of its device; `None` if there are too many devices. Not for two threads at
-    /// once.
-    pub(crate) fn put(&self, run: DeviceReport) -> Result<Option<KnownDevice>, ServeError> {
-        let name = name_of(&run.device);
-        let mut runs = self.runs(&name)?;
-        if runs.is_empty() && self.names()?.len() >= MOST_DEVICES {
-            return Ok(None);
-        }
-        runs.push(run);
-        let surplus = runs.len().saturating_sub(MOST_RUNS);
-        runs.drain(..surplus);
-        let mut text = Vec::new();
-        for run in &runs {
-            // Numbers and texts cannot fail.
-            text.extend(serde_json::to_vec(run).unwrap_or_default());
-            text.push(b'\n');
-        }
-        write(&self.path(&name), &text)?;
-        Ok(known(name, &runs))
-    }
-
-    /// A device by its name.
-    pub(crate) fn get(&self, name: &ObjectName) -> Result<Option<KnownDevice>, ServeError> {
-        Ok(known(name.clone(), &self.runs(name)?))
-    }
-
-    /// All devices, by name.
-    pub(crate) fn all(&self) -> Result<Vec<KnownDevice>, ServeError> {
-        let all = self.names()?.into_iter().take(MOST_DEVICES);
-        let all = all.map(|name| self.get(&name));
-        Ok(all
-            .collect::<Result<Vec<_>, _>>()?
-            .into_iter()
-            .flatten()
-            .collect())
-    }
-
-    /// The runs of a device, the oldest first; lines that are no reports are left out.
-    fn runs(&self, name: &ObjectName) -> Result<Vec<DeviceReport>, ServeError> {
-        let text = read(&self.path(name))?.unwrap_or_default();
-        let lines = text.split(|byte| *byte == b'\n');
-        Ok(lines
-            .filter_map(|line| DeviceReport::read(line).ok())
-            .collect())
-    }
-
-    fn names(&self) -> Result<Vec<ObjectName>, ServeError> {
-        let fault = |error: std::io::Error| ServeError::store(&self.folder, &error);
-        let entries = match std::fs::read_dir(&self.folder) {
-            Ok(entries) => entries,
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
-            Err(error) => return Err(fault(error)),
-        };
-        let mut names = Vec::new();
-        for entry in entries {
-            let path = entry.map_err(fault)?.path();
-            let is_ours = path.extension().is_some_and(|e| e == EXTENSION);
-            let stem = path.file_stem().and_then(|stem| stem.to_str());
-            names.extend(stem.filter(|_| is_ours).and_then(ObjectName::parse));
-        }
-        names.sort();
-        Ok(names)
-    }
-
-    fn path(&self, name: &ObjectName) -> PathBuf {
-        Path::new(&self.folder).join(format!("{}.{EXTENSION}", name.as_str()))
-    }
+/// The same as one of several changes; returns the hash of the device.
+pub(crate) fn put_row(db: &Connection, run: &DeviceReport) -> rusqlite::Result<Option<String>> {
+    // Numbers and texts cannot fail.
+    let description = serde_json::to_string(&run.device).unwrap_or_default();
+    let report = serde_json::to_string(run).unwrap_or_default();
+    let device = name_of(&run.device);
+    let of = (device.as_str(), &*description);
+    let is_put = devices::put(db, of, &report, (MOST_RUNS, MOST_DEVICES))?;
+    Ok(is_put.then(|| device.as_str().to_owned()))
 }
 
-fn known(name: ObjectName, runs: &[DeviceReport]) -> Option<KnownDevice> {
+/// A device by its name.
+pub(crate) fn get(
+    database: &Database,
+    name: &ObjectName,
+) -> Result<Option<KnownDevice>, ServeError> {
+    let reports = database.read(|db| devices::reports(db, name.as_str()))?;
+    Ok(known(DeviceRows {
+        device: name.as_str().to_owned(),
+        reports,
+    }))
+}
+
+/// All devices, by name.
+pub(crate) fn all(database: &Database) -> Result<Vec<KnownDevice>, ServeError> {
+    let all = database.read(devices::all)?;
+    Ok(all.into_iter().filter_map(known).collect())
+}
+
+/// The runs of a device as one; those that are no reports are left out.
+fn known(rows: DeviceRows) -> Option<KnownDevice> {
+    let reports = rows.reports.iter();
+    let runs: Vec<DeviceReport> = reports
+        .filter_map(|text| DeviceReport::read(text.as_bytes()).ok())
+        .collect();
     Some(KnownDevice {
-        name,
-        report: DeviceReport::combined(runs)?,
+        name: ObjectName::parse(&rows.device)?,
+        report: DeviceReport::combined(&runs)?,
         runs: runs.len(),
     })
 }
 
 /// The hash of a description.
-fn name_of(device: &DeviceDescription) -> ObjectName {
+pub(crate) fn name_of(device: &DeviceDescription) -> ObjectName {
     // Numbers and texts cannot fail.
     ObjectName::of(&serde_json::to_vec(device).unwrap_or_default())
 }
@@ -134,36 +101,43 @@ mod tests {
         known.report.results[0].grades[0].fps
     }
 
-    #[test]
-    fn a_wrong_run_among_several_changes_little_and_old_runs_go() {
-        let folder = tempfile::tempdir().unwrap();
-        let store = DeviceStore::new(folder.path().join("devices"));
-        assert!(store.all().unwrap().is_empty(), "there is no folder yet");
-        for value in [30.0, 32.0, 1e6] {
-            store.put(report("a", value)).unwrap();
-        }
-        let known = store.put(report("a", 31.0)).unwrap().unwrap();
-        assert_eq!((known.runs, fps(&known)), (4, 31.5));
-        for _ in 0..40 {
-            store.put(report("a", 50.0)).unwrap();
-        }
-        let known = store.get(&known.name).unwrap().unwrap();
-        assert_eq!((known.runs, fps(&known)), (MOST_RUNS, 50.0));
-        store.put(report("b", 1.0)).unwrap();
-        assert_eq!(store.all().unwrap().len(), 2);
+    fn opened(folder: &std::path::Path) -> Database {
+        let place = folder.join("catalogue.sqlite3");
+        Database::open(&place, true).unwrap().database
     }
 
     #[test]
-    fn damaged_lines_and_foreign_files_are_left_out() {
+    fn a_wrong_run_among_several_changes_little_and_old_runs_go() {
         let folder = tempfile::tempdir().unwrap();
-        let store = DeviceStore::new(folder.path().to_path_buf());
-        let known = store.put(report("a", 30.0)).unwrap().unwrap();
-        let path = store.path(&known.name);
-        let mut text = std::fs::read(&path).unwrap();
-        text.extend(b"{\"device\": 1}\n\xff\xfe\n");
-        std::fs::write(&path, text).unwrap();
-        std::fs::write(folder.path().join("readme.jsonl"), b"x").unwrap();
-        let all = store.all().unwrap();
+        let store = opened(folder.path());
+        assert!(all(&store).unwrap().is_empty());
+        for value in [30.0, 32.0, 1e6] {
+            put(&store, &report("a", value)).unwrap();
+        }
+        let known = put(&store, &report("a", 31.0)).unwrap().unwrap();
+        assert_eq!((known.runs, fps(&known)), (4, 31.5));
+        for _ in 0..40 {
+            put(&store, &report("a", 50.0)).unwrap();
+        }
+        let known = get(&store, &known.name).unwrap().unwrap();
+        assert_eq!((known.runs, fps(&known)), (MOST_RUNS, 50.0));
+        put(&store, &report("b", 1.0)).unwrap();
+        assert_eq!(all(&store).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn rows_that_are_no_reports_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let store = opened(folder.path());
+        let device = put(&store, &report("a", 30.0)).unwrap().unwrap().name;
+        let wrong = |device: &str, text: &str| {
+            let of = (device, "{}");
+            let put = store.write(|db| devices::put(db, of, text, (MOST_RUNS, MOST_DEVICES)));
+            assert!(put.unwrap());
+        };
+        wrong(device.as_str(), "{\"device\": 1}");
+        wrong(&"0".repeat(64), "no report");
+        let all = all(&store).unwrap();
         assert_eq!((all.len(), all[0].runs), (1, 1));
     }
 }

@@ -4,7 +4,8 @@
 //! Source: thesis 3.2.2, figure 3.13. Form: `docs/formats/delivery.md`.
 
 use crate::catalogue::Catalogue;
-use crate::device_store::{DeviceStore, KnownDevice, MOST_DEVICES};
+use crate::database::Database;
+use crate::device_store::{KnownDevice, MOST_DEVICES, all, get as known, put};
 use crate::error::ServeError;
 use crate::objects::ObjectName;
 use crate::reply::{blocking, fault, is_allowed, unknown};
@@ -13,26 +14,19 @@ use axum::body::Bytes;
 use axum::extract::{DefaultBodyLimit, Path, Query, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
-use axum::routing::{get, put};
-use axum::{Extension, Json, Router};
+use axum::routing::get;
+use axum::{Json, Router};
 use serde::{Deserialize, Serialize};
-use std::sync::{Arc, Mutex, PoisonError};
 
-/// Folder of the results, in that of what the server makes.
-const FOLDER: &str = "devices";
 /// Most bytes of a result.
 const MOST_BYTES: usize = 64 << 10;
-
-/// One result is stored at a time.
-type Turn = Arc<Mutex<()>>;
 
 /// The routes.
 pub(crate) fn routes() -> Router<Catalogue> {
     Router::new()
-        .route("/v1/devices", put(put_result).get(nearest))
+        .route("/v1/devices", get(nearest).put(put_result))
         .route("/v1/devices/{hash}", get(device))
         .layer(DefaultBodyLimit::max(MOST_BYTES))
-        .layer(Extension(Turn::default()))
 }
 
 /// A device as JSON.
@@ -101,7 +95,6 @@ impl Asked {
 
 async fn put_result(
     State(catalogue): State<Catalogue>,
-    Extension(turn): Extension<Turn>,
     headers: HeaderMap,
     body: Bytes,
 ) -> Response {
@@ -116,10 +109,7 @@ async fn put_result(
         Ok(report) => report,
         Err(error) => return fault(StatusCode::BAD_REQUEST, error.to_string()),
     };
-    let stored = with_store(catalogue, move |store| {
-        let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
-        store.put(report)
-    });
+    let stored = with_database(catalogue, move |database| put(database, &report));
     match stored.await {
         Ok(Some(known)) => {
             let answer = Json(DeviceAnswer::new(known, None));
@@ -135,7 +125,7 @@ async fn put_result(
 
 /// The nearest device to what is told of one; all devices if nothing is told.
 async fn nearest(State(catalogue): State<Catalogue>, Query(asked): Query<Asked>) -> Response {
-    let all = match with_store(catalogue, DeviceStore::all).await {
+    let all = match with_database(catalogue, all).await {
         Ok(all) => all,
         Err(error) => return error.into_response(),
     };
@@ -155,7 +145,7 @@ async fn device(State(catalogue): State<Catalogue>, Path(hash): Path<String>) ->
     let Some(name) = ObjectName::parse(&hash) else {
         return unknown("device");
     };
-    match with_store(catalogue, move |store| store.get(&name)).await {
+    match with_database(catalogue, move |database| known(database, &name)).await {
         Ok(Some(known)) => Json(DeviceAnswer::new(known, None)).into_response(),
         Ok(None) => unknown("device"),
         Err(error) => error.into_response(),
@@ -163,10 +153,9 @@ async fn device(State(catalogue): State<Catalogue>, Path(hash): Path<String>) ->
 }
 
 /// Runs what waits for files on a thread for that.
-async fn with_store<T: Send + 'static>(
+async fn with_database<T: Send + 'static>(
     catalogue: Catalogue,
-    work: impl FnOnce(&DeviceStore) -> Result<T, ServeError> + Send + 'static,
+    work: impl FnOnce(&Database) -> Result<T, ServeError> + Send + 'static,
 ) -> Result<T, ServeError> {
-    let store = DeviceStore::new(catalogue.folder(FOLDER));
-    blocking(move || work(&store)).await
+    blocking(move || work(catalogue.database())).await
 }

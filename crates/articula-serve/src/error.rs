@@ -19,6 +19,12 @@ pub enum ServeError {
         /// The file or folder.
         place: String,
     },
+    /// Another program writes to the catalogue, and does not end.
+    #[error("{place}: another program writes to the catalogue; close it, or try again")]
+    Locked {
+        /// The file.
+        place: String,
+    },
     /// A name that no character can have.
     #[error(
         "\"{0}\": a name has 1 to 100 letters, digits, `-`, `_` and `.`, and does not begin with `.`"

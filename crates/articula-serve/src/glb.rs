@@ -3,7 +3,8 @@
 use crate::answer::Answer;
 use crate::catalogue::Catalogue;
 use crate::cut::{LOA, Pairs, Wanted, clips, coarsest, elsewhere, pairs_of};
-use crate::made::{GLB, NotMade, made, whole};
+use crate::database::variants::GLB;
+use crate::made::{NotMade, made, whole};
 use crate::objects::{Coding, ObjectName, Objects};
 use crate::query::{Parameters, Refusal, unknown_word};
 use crate::reply::{CHANGING, stored};

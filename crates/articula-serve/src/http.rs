@@ -3,13 +3,14 @@
 //! Form: `docs/formats/delivery.md`.
 
 use crate::answer::Answer;
-use crate::catalogue::{Catalogue, CharacterState, Progress};
+use crate::catalogue::Catalogue;
 use crate::error::ServeError;
 use crate::metrics::Metrics;
 use crate::objects::ObjectName;
 use crate::origins::shared;
 use crate::page::{list, path_of};
 use crate::reply::{CHANGING, IMMUTABLE, blocking, fault, is_allowed, later, stored, unknown};
+use crate::state::{CharacterState, Progress};
 use crate::upload::upload;
 use crate::watcher::watched;
 use crate::{connections, cut, devices, glb, openapi, session, studio};
@@ -227,7 +228,7 @@ async fn manifest(
     Query(waiting): Query<Waiting>,
     request: HeaderMap,
 ) -> Response {
-    let Some(mut states) = catalogue.watch(&name) else {
+    let Some(mut states) = catalogue.characters().watch(&name) else {
         return unknown("character");
     };
     let secs = waiting.wait.clamp(0.0, LONGEST_WAIT_SECS);
@@ -237,7 +238,7 @@ async fn manifest(
             .as_ref()
             .and_then(|tags| tags.to_str().ok())
             .unwrap_or_default();
-        let has = |served: &crate::record::Served| known.contains(served.name.as_str());
+        let has = |served: &crate::served::Served| known.contains(served.name.as_str());
         let is_busy = matches!(state.progress, Progress::Waiting | Progress::Packaging);
         !is_busy || state.served.as_ref().is_some_and(|served| !has(served))
     };
@@ -313,7 +314,9 @@ async fn ready(State(catalogue): State<Catalogue>) -> Response {
 
 async fn metrics(State(catalogue): State<Catalogue>) -> Response {
     let form = [(CONTENT_TYPE, "text/plain; version=0.0.4")];
-    (form, catalogue.metrics().text()).into_response()
+    let counts = catalogue.characters().counts();
+    let counts = counts.map(|(state, count)| (state.word(), count));
+    (form, catalogue.metrics().text(&counts)).into_response()
 }
 
 /// Media type of a file of an item.

@@ -12,9 +12,11 @@
 //! - `error`: what goes wrong
 //! - `objects`: bytes by their hash, in a folder
 //! - `source`, `packed`: a character as it lies in the folder; items that were packaged elsewhere
-//! - `record`: what is known of a packaged source
-//! - `catalogue`: the characters of a folder, and the state of each
-//! - `prepare`: the threads that package them
+//! - `stamp`, `found`: by what an unchanged file is known; a character that was found, and its job
+//! - `database`: the catalogue as a file: characters, jobs, queries, devices; `takeover`: what earlier versions kept instead
+//! - `served`, `state`: an item whose files are objects; how far each character is
+//! - `queue`: jobs that wait; `catalogue`: the characters of a folder, made of all of these
+//! - `prepare`: the threads that package them; `sweep`: what nothing names any more
 //! - `range`: parts of a body
 //! - `answer`: bodies with their tags
 //! - `metrics`, `page`: the state of the server for programs and people
@@ -45,9 +47,11 @@ mod answer;
 mod catalogue;
 mod connections;
 mod cut;
+mod database;
 mod device_store;
 mod devices;
 mod error;
+mod found;
 mod glb;
 mod http;
 mod made;
@@ -63,21 +67,26 @@ mod page;
 mod plans;
 mod prepare;
 mod query;
+mod queue;
 mod range;
-mod record;
 mod reply;
+mod served;
 mod session;
 mod sessions;
 mod source;
+mod stamp;
+mod state;
 mod studio;
 mod sweep;
+mod takeover;
 mod upload;
 mod watcher;
 
-pub use catalogue::{Catalogue, CharacterState, Progress};
+pub use catalogue::Catalogue;
 pub use error::ServeError;
 pub use http::{router, serve};
 pub use options::ServeOptions;
 pub use page::path_of;
 pub use prepare::Preparation;
+pub use state::{CharacterState, Progress};
 pub use watcher::{AnsweredRequest, RequestWatcher};

@@ -1,17 +1,17 @@
-//! What is made of whole items by query, once each: objects of the store, and records of which query made
-//! them.
+//! What is made of whole items by query, once each: objects of the store, and which query made them.
 
-use crate::catalogue::{Catalogue, Progress};
+use crate::catalogue::Catalogue;
+use crate::database::variants::{self, Variant};
 use crate::error::ServeError;
 use crate::metrics::Metrics;
-use crate::objects::{Coding, ObjectName, Objects, read, write};
+use crate::objects::{Coding, ObjectName, Objects};
 use crate::query::Refusal;
-use crate::record::Served;
 use crate::reply::{blocking, fault, later};
+use crate::served::Served;
+use crate::state::Progress;
 use articula::item::Item;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -61,8 +61,7 @@ impl IntoResponse for NotMade {
                 fault(StatusCode::FORBIDDEN, what)
             }
             Self::Full => {
-                let what =
-                    "no more queries are kept; remove .articula/queries, or ask for what was made";
+                let what = "no more queries are kept: ask for what was made, or stop the server and delete the rows of `variants` in its catalogue";
                 fault(StatusCode::INSUFFICIENT_STORAGE, what)
             }
             // The query was right, so what the item has wrong is not the client's fault.
@@ -87,28 +86,6 @@ pub(crate) fn whole(catalogue: &Catalogue, name: &str) -> Result<Served, NotMade
     }
 }
 
-/// Which object a query made of an item.
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Record {
-    pub(crate) object: String,
-    /// The manifest of the item.
-    pub(crate) item: String,
-    /// `cut` or `glb`.
-    form: String,
-}
-
-impl Record {
-    /// The object, if it is the manifest of a cut.
-    pub(crate) fn manifest(&self) -> Option<ObjectName> {
-        let is_cut = self.form == CUT;
-        ObjectName::parse(&self.object).filter(|_| is_cut)
-    }
-}
-
-/// The form of a query for a cut, and for a GLB.
-pub(crate) const CUT: &str = "cut";
-pub(crate) const GLB: &str = "glb";
-
 /// What a query makes of an item.
 pub(crate) type Make = dyn FnOnce(&Item, &Objects) -> Result<ObjectName, NotMade> + Send;
 
@@ -126,7 +103,7 @@ pub(crate) async fn made(
         served.name.as_str()
     );
     let key = blake3::hash(how.as_bytes()).to_hex().to_string();
-    if let Some(known) = recorded(catalogue, &key).await? {
+    if let Some(known) = known(catalogue, &key).await? {
         return Ok(known);
     }
     if catalogue.options().read_only {
@@ -137,13 +114,13 @@ pub(crate) async fn made(
     }
     let waiting = Arc::clone(&catalogue.made().waiting).try_acquire_owned();
     let waiting = waiting.map_err(|_| NotMade::Later("too many queries are being made at once"))?;
-    let catalogue = catalogue.clone();
+    let (catalogue, query) = (catalogue.clone(), query.to_owned());
     // A task of its own, which a client that leaves does not end: others may wait for the same.
     let task = tokio::spawn(async move {
         let _waiting = waiting;
         let gate = catalogue.made().gate(&key);
         let _passed = gate.lock().await;
-        if let Some(known) = recorded(&catalogue, &key).await? {
+        if let Some(known) = known(&catalogue, &key).await? {
             return Ok(known);
         }
         let _working = catalogue.made().working.acquire().await;
@@ -151,14 +128,15 @@ pub(crate) async fn made(
         let work = move || {
             let object = make(&served.item(of.objects())?, of.objects())?;
             Metrics::add(&of.metrics().made, 1);
-            let record = Record {
-                object: object.as_str().to_owned(),
+            let variant = Variant {
+                variant: key,
                 item: served.name.as_str().to_owned(),
                 form: form.to_owned(),
+                query: Some(query),
+                object: object.as_str().to_owned(),
             };
-            // Texts cannot fail.
-            let text = serde_json::to_vec(&record).unwrap_or_default();
-            write(&of.made().path(&key), &text)?;
+            of.database()
+                .write(|db| variants::put(db, &variant, &served.row()))?;
             of.made().kept.fetch_add(1, Ordering::Relaxed);
             Ok(object)
         };
@@ -173,13 +151,12 @@ fn failed() -> NotMade {
     NotMade::Fault(ServeError::Network(std::io::Error::other(what)))
 }
 
-/// The object of a record, if both are there.
-async fn recorded(catalogue: &Catalogue, key: &str) -> Result<Option<ObjectName>, ServeError> {
-    let (catalogue, path) = (catalogue.clone(), catalogue.made().path(key));
+/// The object of a variant, if both are there.
+async fn known(catalogue: &Catalogue, key: &str) -> Result<Option<ObjectName>, ServeError> {
+    let (catalogue, key) = (catalogue.clone(), key.to_owned());
     blocking(move || {
-        let record = read(&path)?;
-        let record = record.and_then(|text| serde_json::from_slice::<Record>(&text).ok());
-        let Some(object) = record.and_then(|record| ObjectName::parse(&record.object)) else {
+        let object = catalogue.database().read(|db| variants::object(db, &key))?;
+        let Some(object) = object.as_deref().and_then(ObjectName::parse) else {
             return Ok(None);
         };
         let there = catalogue.objects().get(&object, Coding::Identity)?;

@@ -28,8 +28,8 @@ impl Metrics {
         counter.fetch_add(more, Ordering::Relaxed);
     }
 
-    /// The text of `/metrics`.
-    pub(crate) fn text(&self) -> String {
+    /// The text of `/metrics`, with the number of characters in each state.
+    pub(crate) fn text(&self, states: &[(&str, usize)]) -> String {
         let counters = [
             ("requests", "Requests.", &self.requests),
             (
@@ -94,6 +94,11 @@ impl Metrics {
             let _ = writeln!(text, "# HELP articula_{name}_total {help}");
             let _ = writeln!(text, "# TYPE articula_{name}_total counter");
             let _ = writeln!(text, "articula_{name}_total {value}");
+        }
+        text.push_str("# HELP articula_characters Characters by their state.\n");
+        text.push_str("# TYPE articula_characters gauge\n");
+        for (state, count) in states {
+            let _ = writeln!(text, "articula_characters{{state=\"{state}\"}} {count}");
         }
         text
     }

@@ -11,6 +11,9 @@ use std::time::Duration;
 pub struct ServeOptions {
     /// Whether nothing is written: only what is packaged is served, and nothing is taken.
     pub read_only: bool,
+    /// The file of the catalogue; without one it is `.articula/catalogue.sqlite3` in the folder. A folder on a network disk
+    /// has it elsewhere: SQLite's locks and logs need a disk of this machine.
+    pub catalogue: Option<PathBuf>,
     /// What a client that puts a character must know (`Authorization: Bearer TOKEN`); anyone may without.
     pub token: Option<String>,
     /// Origin of web pages that may read what is served, such as `https://example.com`, or `*` for all; none without.
@@ -62,6 +65,7 @@ impl Default for ServeOptions {
     fn default() -> Self {
         Self {
             read_only: false,
+            catalogue: None,
             token: None,
             allow_origin: None,
             studio: None,

@@ -1,7 +1,7 @@
 //! The page for people: the characters of the folder, and how far each is.
 
-use crate::catalogue::{CharacterState, Progress};
 use crate::sessions::SessionReport;
+use crate::state::{CharacterState, Progress};
 
 /// HTML of the list; with a studio it names its page.
 pub(crate) fn list(

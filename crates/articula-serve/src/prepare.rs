@@ -1,10 +1,11 @@
 //! The threads that package characters, stage by stage.
 
-use crate::catalogue::{Catalogue, Progress, Waiting};
+use crate::catalogue::{Catalogue, Taken};
 use crate::error::ServeError;
+use crate::found::job_of;
 use crate::metrics::Metrics;
 use crate::packed::{open_folder, open_packed};
-use crate::record::Served;
+use crate::served::Served;
 use crate::source::Source;
 use crate::sweep::sweep;
 use articula::formats::Limits;
@@ -59,22 +60,44 @@ impl Preparation {
 }
 
 fn run(catalogue: &Catalogue, is_over: &AtomicBool) {
-    while let Some(waiting) = catalogue.next(|| is_over.load(Ordering::Acquire)) {
-        catalogue.set(&waiting, Progress::Packaging, None);
-        let metrics = catalogue.metrics();
+    while let Some(of) = catalogue.take(|| is_over.load(Ordering::Acquire)) {
         // One character must not end the thread for all others.
-        let made = catch_unwind(AssertUnwindSafe(|| packaged(catalogue, &waiting, is_over)));
+        let made = catch_unwind(AssertUnwindSafe(|| made(catalogue, &of, is_over)));
         let made = made.unwrap_or_else(|_| Err(Error::Io("packaging it failed".into()).into()));
-        match made {
-            Ok(served) => {
-                Metrics::add(&metrics.packaged, 1);
-                catalogue.set(&waiting, Progress::Ready, Some(served));
-            }
-            Err(_) if is_over.load(Ordering::Acquire) => {}
-            Err(error) => {
-                Metrics::add(&metrics.failed, 1);
-                catalogue.set(&waiting, Progress::Failed(error.to_string()), None);
-            }
+        if let Err(error) = made
+            && !is_over.load(Ordering::Acquire)
+        {
+            Metrics::add(&catalogue.metrics().failed, 1);
+            catalogue.fail(&of, &error);
+        }
+        catalogue.done(&of);
+    }
+}
+
+/// Does a job, or finds that it is done, or that there is another file by now.
+fn made(catalogue: &Catalogue, of: &Taken, is_over: &AtomicBool) -> Result<(), ServeError> {
+    if !patiently(is_over, || catalogue.begin(of))? {
+        return Ok(());
+    }
+    let source = Source::read(&of.path)?;
+    let hash = source.hash().to_hex();
+    if job_of(&hash, catalogue.options()) != of.job {
+        return patiently(is_over, || catalogue.renew(of));
+    }
+    let item = packaged(catalogue, of, &source, is_over)?;
+    let served = Served::store(&item, catalogue.objects())?;
+    patiently(is_over, || catalogue.finish(of, &served))
+}
+
+/// Writes once no other program does: what a thread makes is not given up for that.
+fn patiently<T>(
+    is_over: &AtomicBool,
+    write: impl Fn() -> Result<T, ServeError>,
+) -> Result<T, ServeError> {
+    loop {
+        match write() {
+            Err(ServeError::Locked { .. }) if !is_over.load(Ordering::Acquire) => {}
+            written => return written,
         }
     }
 }
@@ -82,37 +105,30 @@ fn run(catalogue: &Catalogue, is_over: &AtomicBool) {
 /// Makes the item of a character, and serves its stages.
 fn packaged(
     catalogue: &Catalogue,
-    waiting: &Waiting,
+    of: &Taken,
+    source: &Source,
     is_over: &AtomicBool,
-) -> Result<Served, ServeError> {
-    let source = Source::read(&waiting.file)?;
+) -> Result<Item, ServeError> {
     let limits = Limits {
         bytes: catalogue.options().most_bytes as u64,
         ..Limits::default()
     };
-    let item = match &source {
-        Source::Packed(bytes) => open_packed(bytes, &limits)?,
-        Source::Folder(manifest) => open_folder(&waiting.file, manifest, &limits)?,
-        Source::Figure { bytes, with } => in_stages(catalogue, waiting, (bytes, with), is_over)?,
-    };
-    let served = Served::store(&item, catalogue.objects())?;
-    catalogue.records().put(&source, &served)?;
-    Ok(served)
+    match source {
+        Source::Packed(bytes) => Ok(open_packed(bytes, &limits)?),
+        Source::Folder(manifest) => Ok(open_folder(&of.path, manifest, &limits)?),
+        Source::Figure { bytes, with } => in_stages(catalogue, of, (bytes, with), is_over),
+    }
 }
 
 /// Packages a character file and serves its stages.
 fn in_stages(
     catalogue: &Catalogue,
-    waiting: &Waiting,
+    of: &Taken,
     (figure, with): (&[u8], &[CarriedFile]),
     is_over: &AtomicBool,
 ) -> Result<Item, ServeError> {
     let options = catalogue.options();
-    let file_name = waiting
-        .file
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let file_name = of.path.file_name().unwrap_or_default().to_string_lossy();
     let mut nothing = |_: &str| Err("a served character holds all its data".to_owned());
     let opened = open(figure, &file_name, &options.open, &mut nothing)?;
     let on_step = |_: Step| match is_over.load(Ordering::Acquire) {
@@ -127,9 +143,9 @@ fn in_stages(
     };
     let item = package_in_stages(opened, &package, &work, &mut |stage| {
         let served = Served::store(stage, catalogue.objects());
-        let served = served.map_err(|error| Error::Io(error.to_string()))?;
+        let staged = served.and_then(|served| catalogue.stage(of, &served));
+        staged.map_err(|error| Error::Io(error.to_string()))?;
         Metrics::add(&catalogue.metrics().stages, 1);
-        catalogue.set(waiting, Progress::Packaging, Some(served));
         Ok(())
     })?;
     Ok(item)

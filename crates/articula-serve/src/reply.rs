@@ -43,6 +43,7 @@ impl IntoResponse for ServeError {
             Self::Name(_) | Self::Character(_) => StatusCode::BAD_REQUEST,
             Self::Form => StatusCode::UNSUPPORTED_MEDIA_TYPE,
             Self::Full { .. } => StatusCode::INSUFFICIENT_STORAGE,
+            Self::Locked { .. } => return later(&self.to_string()),
             Self::Store { .. } | Self::Network(_) => StatusCode::INTERNAL_SERVER_ERROR,
         };
         fault(status, self.to_string())

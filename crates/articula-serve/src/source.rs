@@ -46,15 +46,11 @@ impl Source {
             return Ok(Self::Folder(manifest.unwrap_or_default()));
         }
         let bytes = read(path)?.unwrap_or_default();
-        if path
-            .extension()
-            .unwrap_or_default()
-            .eq_ignore_ascii_case(PACKED)
-        {
+        if is_packed(path) {
             return Ok(Self::Packed(bytes));
         }
         let mut with = Vec::new();
-        for path in CARRIED.map(|extension| path.with_extension(extension)) {
+        for path in carried(path) {
             if let Some(bytes) = read_file(&path)? {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 with.push(CarriedFile {
@@ -64,6 +60,18 @@ impl Source {
             }
         }
         Ok(Self::Figure { bytes, with })
+    }
+
+    /// The files that [`Self::read`] reads, there or not.
+    pub(crate) fn files(path: &Path) -> Vec<PathBuf> {
+        match path.is_dir() {
+            true => vec![path.join(MANIFEST)],
+            false if is_packed(path) => vec![path.to_path_buf()],
+            false => [path.to_path_buf()]
+                .into_iter()
+                .chain(carried(path))
+                .collect(),
+        }
     }
 
     /// A hash of all of it; of an item in a folder that of its manifest, which has those of its files.
@@ -83,6 +91,16 @@ impl Source {
         }
         all.finalize()
     }
+}
+
+fn is_packed(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default();
+    extension.eq_ignore_ascii_case(PACKED)
+}
+
+/// Where files lie that a character file carries.
+fn carried(path: &Path) -> [PathBuf; CARRIED.len()] {
+    CARRIED.map(|extension| path.with_extension(extension))
 }
 
 fn read_file(path: &Path) -> Result<Option<Vec<u8>>, ServeError> {

@@ -25,6 +25,9 @@ pub(crate) struct ServeArgs {
     /// The same by a flag
     #[arg(long, value_name = "DIR", conflicts_with = "folder")]
     store: Option<PathBuf>,
+    /// File of the catalogue (SQLite), if it is not to be DIR/.articula/catalogue.sqlite3: for a DIR on a network disk
+    #[arg(long, value_name = "FILE")]
+    catalogue: Option<PathBuf>,
     /// Address and port to listen on; port 0 chooses one
     #[arg(long, value_name = "ADDR", default_value_t = SocketAddr::from(ADDRESS))]
     addr: SocketAddr,
@@ -54,6 +57,7 @@ impl ServeArgs {
         Self {
             folder: Some(folder),
             store: None,
+            catalogue: None,
             addr: SocketAddr::from(ADDRESS),
             read_only: false,
             throttle_kbps: None,
@@ -142,6 +146,7 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
         // What comes from this machine may be a proxy, behind which all clients have one address.
         most_of_address: (!is_local).then_some(of_all.most_connections / 2),
         read_only: args.read_only,
+        catalogue: args.catalogue.clone(),
         token: args.token.clone(),
         allow_origin: args.allow_origin.clone(),
         studio: args.studio.clone(),
@@ -150,6 +155,9 @@ pub(crate) fn run(args: &ServeArgs, console: &Console) -> anyhow::Result<()> {
         ..of_all
     };
     let catalogue = Catalogue::open(folder, &options)?;
+    for note in catalogue.notes() {
+        console.note(note);
+    }
     let runtime = tokio::runtime::Runtime::new().context("threads of the server")?;
     let listening = || {
         format!(

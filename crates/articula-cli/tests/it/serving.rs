@@ -112,8 +112,48 @@ fn addresses_that_others_reach_and_missing_folders_are_refused() {
     let same = fault(&folder, 2, &["serve", "--store", "nowhere"]);
     assert_eq!(same, why);
     let why = fault(&folder, 1, &["serve", "--store", path, "--addr", &address]);
+    assert!(why.contains("another server"), "{why}");
+    let other = self::folder("serve-refusals-other");
+    let why = fault(&other, 1, &["serve", "--store", ".", "--addr", &address]);
     assert!(why.contains("another port"), "{why}");
     drop(server);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_catalogue_that_finds_no_space_says_so_and_is_there_with_space() {
+    let here = folder("serve-full-catalogue");
+    let store = here.join("store");
+    std::fs::create_dir(&store).unwrap();
+    // Less than the tables take: 16 blocks of 512 or 1024 bytes.
+    let limited = r#"trap "" XFSZ; ulimit -f 16; exec "$0" serve store --addr 127.0.0.1:0"#;
+    let mut program = Command::new("sh");
+    program.args(["-c", limited, env!("CARGO_BIN_EXE_articula")]);
+    let ended = program.current_dir(&here).output().unwrap();
+    assert_eq!(ended.status.code(), Some(1));
+    let line = String::from_utf8(ended.stderr).unwrap();
+    assert!(
+        line.contains("catalogue.sqlite3: ") && line.contains("full"),
+        "{line}"
+    );
+    assert_eq!(line.trim_end().lines().count(), 1, "{line}");
+    let elsewhere = here.join("elsewhere.db");
+    let more = ["--catalogue", elsewhere.to_str().unwrap()];
+    for more in [&more[..], &[]] {
+        let (server, address) = started(&store, more);
+        let list = request(&address, "GET /v1/characters HTTP/1.1\r\n", b"");
+        assert!(list.ends_with("[]"), "{list}");
+        drop(server);
+    }
+    assert!(elsewhere.is_file() && store.join(".articula/catalogue.sqlite3").is_file());
+    // A file that somebody wants to keep is no catalogue.
+    std::fs::write(&elsewhere, b"notes ".repeat(500)).unwrap();
+    for companion in ["-wal", "-shm"] {
+        let _ = std::fs::remove_file(here.join(format!("elsewhere.db{companion}")));
+    }
+    let why = fault(&here, 1, &["serve", "store", "--catalogue", "elsewhere.db"]);
+    assert!(why.contains("elsewhere.db: this is no catalogue"), "{why}");
+    assert_eq!(std::fs::read(&elsewhere).unwrap(), b"notes ".repeat(500));
 }
 
 #[cfg(unix)]
@@ -122,10 +162,11 @@ fn a_store_that_takes_no_more_says_so_and_serves_on() {
     let folder = folder("serve-full");
     let case =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("../articula-formats/tests/cases/base.glb");
-    let glb = std::fs::read(case).unwrap();
-    // A disk without space for a file of this size: 16 blocks of 512 or 1024 bytes.
-    assert!(glb.len() > 16 * 1024);
-    let limited = r#"trap "" XFSZ; ulimit -f 16; exec "$0" "$@""#;
+    let mut glb = std::fs::read(case).unwrap();
+    // A disk without space for a file of this size, but for the catalogue: 512 blocks of 512 or 1024 bytes. Bytes behind
+    // those that the head of a GLB tells of are ignored.
+    glb.resize(600 * 1024, 0);
+    let limited = r#"trap "" XFSZ; ulimit -f 512; exec "$0" "$@""#;
     let mut program = Command::new("sh");
     program.args(["-c", limited, env!("CARGO_BIN_EXE_articula")]);
     let (server, address) = started_by(program, &folder, &[]);
@@ -136,8 +177,9 @@ fn a_store_that_takes_no_more_says_so_and_serves_on() {
     let refused = put("walker", &glb);
     assert!(refused.starts_with("HTTP/1.1 507"), "{refused}");
     assert!(refused.contains("full"), "{refused}");
-    let left: Vec<_> = std::fs::read_dir(&folder).unwrap().collect();
-    assert!(left.is_empty(), "{left:?}");
+    let left = std::fs::read_dir(&folder).unwrap();
+    let left: Vec<_> = left.map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, [".articula"]);
     // It takes what is small.
     let taken = put("small", b"glTF, but nothing more");
     assert!(taken.starts_with("HTTP/1.1 202"), "{taken}");

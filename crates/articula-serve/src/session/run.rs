@@ -1,11 +1,12 @@
 //! One session: messages of its client, manifests of the catalogue, bytes of the store.
 #![allow(clippy::disallowed_methods, reason = "a session has a clock")]
 
-use crate::catalogue::{Catalogue, Progress};
+use crate::catalogue::Catalogue;
 use crate::metrics::Metrics;
 use crate::objects::Coding;
-use crate::record::Served;
+use crate::served::Served;
 use crate::sessions::{OpenSession, SessionCharacter};
+use crate::state::Progress;
 use articula::client::{
     ClientMessage, Feed, FeedChange, FeedNext, Increment, ServerMessage, SessionError,
 };
@@ -110,7 +111,7 @@ impl Session {
     }
 
     async fn serve(&mut self, socket: &mut WebSocket) -> End {
-        let mut news = self.catalogue.news();
+        let mut news = self.catalogue.characters().news();
         // What was there before counts too.
         news.mark_changed();
         loop {

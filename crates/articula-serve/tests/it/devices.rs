@@ -97,9 +97,10 @@ fn hostile_results_and_those_without_a_token_are_refused() {
         413
     );
     assert_eq!(server.get("/v1/devices?cores=many", &[]).status, 400);
-    assert!(
-        !folder.path().join(".articula").exists(),
-        "nothing is written"
+    assert_eq!(
+        server.get("/v1/devices", &[]).body,
+        b"[]",
+        "nothing is kept"
     );
     assert_eq!(put(&server, &headers, &result("a", 1.0)).0, 201);
     drop(server);

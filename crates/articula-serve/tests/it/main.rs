@@ -6,6 +6,7 @@
     reason = "a test may panic, looks for the folder of real files, and says what it skips"
 )]
 
+mod catalogue;
 mod client;
 mod connection;
 mod devices;

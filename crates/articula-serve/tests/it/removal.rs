@@ -24,6 +24,14 @@ fn age(folder: &Path) -> u64 {
     aged
 }
 
+/// Makes all rows of a catalogue two hours old.
+fn age_rows(catalogue: &Path) {
+    let db = rusqlite::Connection::open(catalogue).unwrap();
+    let aged = "UPDATE jobs SET queued = queued - 7200, ended = ended - 7200;
+        UPDATE variants SET made = made - 7200;";
+    db.execute_batch(aged).unwrap();
+}
+
 #[test]
 fn what_is_left_of_a_character_that_was_removed_goes_and_nothing_else() {
     let folder = tempfile::tempdir().unwrap();
@@ -62,6 +70,7 @@ fn what_is_left_of_a_character_that_was_removed_goes_and_nothing_else() {
     let part = objects.join("objects/00/00.1-1.part");
     std::fs::create_dir_all(part.parent().unwrap()).unwrap();
     std::fs::write(&part, b"half").unwrap();
+    age_rows(&objects.join("catalogue.sqlite3"));
     let before = age(&objects);
     let server = Server::start(folder.path(), &options());
     let swept = counter(&server, "articula_swept_total");

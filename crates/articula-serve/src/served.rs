@@ -1,14 +1,11 @@
-//! What is known of a source that was packaged, so that it never is again.
+//! Items as they are served: whole, or a stage, with their files as objects.
 
+use crate::database::jobs::ItemRow;
 use crate::error::ServeError;
-use crate::objects::{Coding, ObjectName, Objects, read, write};
-use crate::options::ServeOptions;
-use crate::source::Source;
+use crate::objects::{Coding, ObjectName, Objects};
 use articula::formats::Limits;
 use articula::item::{FileEntry, Item, MANIFEST, Manifest, compressed};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// An item, whole or a stage of it, whose files are objects.
@@ -57,6 +54,25 @@ impl Served {
         Ok(Self::new(name, &item.manifest))
     }
 
+    /// The item of a manifest, if it and all of its files are there: what was lost or changed is made anew.
+    pub(crate) fn find(manifest: &str, objects: &Objects) -> Option<Self> {
+        let name = ObjectName::parse(manifest)?;
+        let bytes = objects.get(&name, Coding::Identity).ok()??;
+        let of: Manifest = serde_json::from_slice(&bytes).ok()?;
+        let served = Self::new(name, &of);
+        let is_whole = served.files.values().all(|name| objects.has(name));
+        is_whole.then_some(served)
+    }
+
+    /// Its row in the catalogue.
+    pub(crate) fn row(&self) -> ItemRow<'_> {
+        ItemRow {
+            manifest: self.name.as_str(),
+            bytes: self.bytes,
+            sent_bytes: self.sent_bytes,
+        }
+    }
+
     /// The item with all of its files, from the store.
     pub(crate) fn item(&self, objects: &Objects) -> Result<Item, ServeError> {
         let of = |name: &ObjectName| match objects.get(name, Coding::Identity) {
@@ -85,68 +101,5 @@ impl Served {
             bytes: files.clone().map(|(_, entry)| entry.bytes).sum(),
             sent_bytes: files.map(|(_, entry)| entry.sent_bytes()).sum(),
         }
-    }
-}
-
-/// The record of a packaged source.
-#[derive(Debug, Serialize, Deserialize)]
-struct Record {
-    /// Name of the object that is the manifest.
-    manifest: String,
-}
-
-/// Records by the hash of a source and of how it is packaged.
-#[derive(Debug)]
-pub(crate) struct Records {
-    folder: PathBuf,
-    /// What other options or another program make of a source is another item.
-    how: String,
-}
-
-impl Records {
-    pub(crate) fn new(folder: PathBuf, options: &ServeOptions) -> Self {
-        let how = format!("{} {:?}", env!("CARGO_PKG_VERSION"), options.package);
-        Self { folder, how }
-    }
-
-    /// Returns the item of a source, if it was packaged and all of its manifest is there.
-    pub(crate) fn get(
-        &self,
-        record: &Path,
-        objects: &Objects,
-    ) -> Result<Option<Served>, ServeError> {
-        let Some(record) = read(record)? else {
-            return Ok(None);
-        };
-        let record: Option<Record> = serde_json::from_slice(&record).ok();
-        let Some(name) = record.and_then(|record| ObjectName::parse(&record.manifest)) else {
-            return Ok(None);
-        };
-        // What was lost or changed is made anew.
-        let Ok(Some(manifest)) = objects.get(&name, Coding::Identity) else {
-            return Ok(None);
-        };
-        let of: Option<Manifest> = serde_json::from_slice(&manifest).ok();
-        let served = of.map(|of| Served::new(name, &of));
-        Ok(served.filter(|served| served.files.values().all(|name| objects.has(name))))
-    }
-
-    /// Records that a source was packaged.
-    pub(crate) fn put(&self, source: &Source, served: &Served) -> Result<(), ServeError> {
-        let record = Record {
-            manifest: served.name.as_str().to_owned(),
-        };
-        // A text and a name cannot fail.
-        let text = serde_json::to_vec(&record).unwrap_or_default();
-        write(&self.path(source), &text)
-    }
-
-    /// The file of the record of a source.
-    pub(crate) fn path(&self, source: &Source) -> PathBuf {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(source.hash().as_bytes());
-        hasher.update(self.how.as_bytes());
-        self.folder
-            .join(format!("{}.json", hasher.finalize().to_hex()))
     }
 }
