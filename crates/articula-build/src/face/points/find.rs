@@ -228,6 +228,18 @@ impl FacePoints {
         face_height(|point| self.get(point).map_or(Vec3::ZERO, |p| p.place))
     }
 
+    /// Returns the triangles of the skin.
+    pub fn skin(&self) -> &[[u32; 3]] {
+        &self.parts.skin
+    }
+
+    /// Returns the vertices of the left and the right eyeball with the layers around it, ascending; `None` without
+    /// eyeballs.
+    pub fn eyeballs(&self) -> Option<[&[u32]; 2]> {
+        let eyes = self.parts.eyeballs.as_ref()?;
+        Some([0, 1].map(|eye: usize| eyes[eye].0.as_slice()))
+    }
+
     /// Returns the distances by which FAPs are measured.
     pub fn units(&self) -> FaceUnits {
         FaceUnits::between(|point| self.get(point).map_or(Vec3::ZERO, |p| p.place))
