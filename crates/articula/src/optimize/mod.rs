@@ -3,7 +3,7 @@
 //! - `source`: the character before anything is rounded, and files that are written of it
 //! - `worn`: what is measured of a file of motion alone
 //! - `within`: the file within a bound; `errors`: what is measured of it; `references`: clips beside which it is
-//! - `sample`: bytes of files that are not made
+//! - `rounds`: a rounded mesh, and clips that are made with it; `sample`: bytes of files that are not made
 //! - `simplification`, `constraints`: fewer triangles
 //! - `clip`, `optimized_clip`: fewer keys and rounded values for one clip
 //! - `shared_constants`: held values that clips have in common
@@ -29,6 +29,7 @@ mod optimized_clip;
 mod picture_file;
 mod references;
 mod report;
+mod rounds;
 mod sample;
 mod shared_constants;
 mod simplification;
