@@ -1,8 +1,8 @@
 // How far the surfaces of files are from that of their source in motion: `node surfaces.mjs SOURCE FILE...`, judged by
 // three.js. Prints a row for each file, {error_mm, height_mm, bytes, json, pictures, brotli, fault}.
 //
-// For files with other triangles than their source, whose vertices cannot be followed. Both are shown in the same seeded
-// random poses; the error is the greatest distance of a vertex of either from the surface of the other.
+// For files with other triangles than their source, whose vertices cannot be followed. Both are shown at rest and in the same
+// seeded random poses; the error is the greatest distance of a vertex of either from the surface of the other.
 
 import { BufferAttribute, BufferGeometry, Vector3 } from "three";
 import { MeshBVH } from "three-mesh-bvh";
@@ -82,6 +82,6 @@ const before = await load(source);
 atRest(before);
 const heights = everyVertex(before).map((vertex) => place(vertex).y);
 const height = heights.reduce((a, b) => Math.max(a, b)) - heights.reduce((a, b) => Math.min(a, b));
-const shown = poses(before, { count: POSES, fewest: 1, seed: SEED });
+const shown = [atRest, ...poses(before, { count: POSES, fewest: 1, seed: SEED })];
 const wanted = reference(before, shown);
 console.log(JSON.stringify(await rows(files, height, null, (scene) => greatestError(scene, shown, wanted))));
