@@ -1,22 +1,30 @@
-//! Pictures in terminals that show pixels, by the graphics protocol of kitty (<https://sw.kovidgoyal.net/kitty/graphics-protocol/>).
+//! Terminals that show pixels.
 
-use anyhow::Context;
+use super::{kitty, sixel};
 use articula::flat::Picture;
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use std::fmt::Write as _;
 
-/// Bytes of base64 in one escape sequence, as the protocol allows.
-const CHUNK: usize = 4096;
-/// Most pixels of a picture, which software draws 20 times a second; the terminal enlarges it.
+/// Most pixels of a picture, which software draws 20 times a second; with the protocol of kitty the terminal enlarges it.
 const MOST_PIXELS: u32 = 480 * 640;
 /// Width and height of a cell where the terminal does not tell.
 const CELL_PX: (u32, u32) = (8, 16);
-/// Values of `TERM_PROGRAM` of other terminals with this protocol.
-const PROGRAMS: [&str; 2] = ["ghostty", "WezTerm"];
+/// Values of `TERM` and of `TERM_PROGRAM` of terminals with the graphics protocol of kitty.
+const KITTY: ([&str; 2], [&str; 2]) = (["xterm-kitty", "xterm-ghostty"], ["ghostty", "WezTerm"]);
+/// Those of terminals with Sixel.
+const SIXEL: ([&str; 5], [&str; 3]) = (
+    ["foot", "foot-extra", "mlterm", "contour", "yaft-256color"],
+    ["mintty", "iTerm.app", "contour"],
+);
+
+/// How pixels are sent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Protocol {
+    Kitty,
+    Sixel,
+}
 
 /// A terminal that shows pixels.
 pub(super) struct Graphics {
+    protocol: Protocol,
     /// Width and height of a cell in pixels.
     cell_px: (u32, u32),
 }
@@ -28,10 +36,20 @@ impl Graphics {
             variable(name).is_some_and(|value| wanted.contains(&value.as_str()))
         };
         // A terminal within another one passes no pictures on.
-        let is_nested = variable("TMUX").is_some() || variable("STY").is_some();
-        let is_known =
-            is("TERM", &["xterm-kitty", "xterm-ghostty"]) || is("TERM_PROGRAM", &PROGRAMS);
-        (is_known && !is_nested).then(|| Self { cell_px: cell_px() })
+        if variable("TMUX").is_some() || variable("STY").is_some() {
+            return None;
+        }
+        let protocol = if is("TERM", &KITTY.0) || is("TERM_PROGRAM", &KITTY.1) {
+            Protocol::Kitty
+        } else if is("TERM", &SIXEL.0) || is("TERM_PROGRAM", &SIXEL.1) {
+            Protocol::Sixel
+        } else {
+            return None;
+        };
+        Some(Self {
+            protocol,
+            cell_px: cell_px(),
+        })
     }
 
     /// Width and height of a picture that fills some columns and rows.
@@ -51,22 +69,10 @@ impl Graphics {
         columns: u32,
         rows: u32,
     ) -> anyhow::Result<String> {
-        let png = picture.to_png().context("the picture")?;
-        let encoded = STANDARD.encode(png);
-        let mut text = String::with_capacity(encoded.len() + encoded.len() / 100 + 64);
-        // Base64 is ASCII.
-        let chunks: Vec<&[u8]> = encoded.as_bytes().chunks(CHUNK).collect();
-        for (number, chunk) in chunks.iter().enumerate() {
-            text.push_str("\x1b_G");
-            if number == 0 {
-                // Transmitted and shown at once, PNG, no answers, one image in one place.
-                let _ = write!(text, "a=T,f=100,q=2,i=1,p=1,C=1,c={columns},r={rows},");
-            }
-            let _ = write!(text, "m={};", u8::from(number + 1 < chunks.len()));
-            text.push_str(std::str::from_utf8(chunk).unwrap_or_default());
-            text.push_str("\x1b\\");
+        match self.protocol {
+            Protocol::Kitty => kitty::shown(picture, columns, rows),
+            Protocol::Sixel => Ok(sixel::shown(picture)),
         }
-        Ok(text)
     }
 }
 
@@ -103,51 +109,29 @@ mod tests {
 
     #[test]
     fn terminals_that_show_pixels_are_known_by_their_names() {
-        assert!(of(&[("TERM", "xterm-kitty")]).is_some());
-        assert!(of(&[("TERM", "xterm-256color"), ("TERM_PROGRAM", "WezTerm")]).is_some());
-        assert!(
-            of(&[
-                ("TERM", "xterm-256color"),
-                ("TERM_PROGRAM", "Apple_Terminal")
-            ])
-            .is_none()
+        let protocol = |variables: &[(&str, &str)]| of(variables).map(|graphics| graphics.protocol);
+        let in_xterm =
+            |program: &str| protocol(&[("TERM", "xterm-256color"), ("TERM_PROGRAM", program)]);
+        assert_eq!(protocol(&[("TERM", "xterm-kitty")]), Some(Protocol::Kitty));
+        assert_eq!(protocol(&[("TERM", "foot")]), Some(Protocol::Sixel));
+        assert_eq!(in_xterm("WezTerm"), Some(Protocol::Kitty));
+        assert_eq!(in_xterm("mintty"), Some(Protocol::Sixel));
+        assert_eq!(in_xterm("Apple_Terminal"), None);
+        assert_eq!(
+            protocol(&[("TERM", "xterm-kitty"), ("TMUX", "a,1,0")]),
+            None
         );
-        assert!(of(&[("TERM", "xterm-kitty"), ("TMUX", "a,1,0")]).is_none());
-        assert!(of(&[]).is_none());
+        assert_eq!(protocol(&[]), None);
     }
 
     #[test]
-    fn a_picture_is_sent_whole_in_chunks_that_the_protocol_allows() {
-        let graphics = Graphics { cell_px: (10, 20) };
+    fn a_picture_fills_its_cells_up_to_a_number_of_pixels() {
+        let graphics = Graphics {
+            protocol: Protocol::Kitty,
+            cell_px: (10, 20),
+        };
         assert_eq!(graphics.size(20, 10), (200, 200));
         let (width, height) = graphics.size(160, 55);
         assert!(width * height <= MOST_PIXELS && width * height > MOST_PIXELS * 99 / 100);
-        // Noise, which PNG does not make short.
-        let mut seed = 1_u32;
-        let pixels = (0..64 * 64).map(|_| {
-            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            let [r, g, b, _] = seed.to_be_bytes();
-            [r, g, b, 255]
-        });
-        let picture = Picture::from_pixels(64, 64, pixels.collect()).unwrap();
-        let text = graphics.shown(&picture, 8, 4).unwrap();
-        let parts: Vec<&str> = text
-            .split("\x1b\\")
-            .filter(|part| !part.is_empty())
-            .collect();
-        assert!(parts.len() > 2);
-        let mut encoded = String::new();
-        for (number, part) in parts.iter().enumerate() {
-            let (keys, data) = part
-                .strip_prefix("\x1b_G")
-                .unwrap()
-                .split_once(';')
-                .unwrap();
-            assert!(data.len() <= CHUNK && (number + 1 == parts.len() || data.len() % 4 == 0));
-            assert_eq!(keys.ends_with("m=1"), number + 1 < parts.len());
-            assert_eq!(keys.contains("c=8,r=4"), number == 0);
-            encoded.push_str(data);
-        }
-        assert_eq!(STANDARD.decode(encoded).unwrap(), picture.to_png().unwrap());
     }
 }

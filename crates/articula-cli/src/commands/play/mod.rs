@@ -7,19 +7,21 @@
 //! - `show`: the loop that shows it
 //! - `monitor`: what is shown, in numbers
 //! - `phase`: the same between two movements of the slider
-//! - `output`, `screen`, `graphics`: where pictures go
+//! - `output`, `screen`: where pictures go; `graphics`, `kitty`, `sixel`: terminals that show pixels
 
 mod captions;
 mod event;
 mod fetch;
 mod graphics;
 mod keys;
+mod kitty;
 mod link;
 mod monitor;
 mod output;
 mod phase;
 mod screen;
 mod show;
+mod sixel;
 mod slider;
 
 use crate::commands::device_score::{DeviceScore, device_score};
