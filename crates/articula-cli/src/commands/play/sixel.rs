@@ -4,7 +4,8 @@
 
 use articula::flat::Picture;
 use color_quant::NeuQuant;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
+use std::collections::hash_map::{Entry, HashMap};
 use std::fmt::Write as _;
 
 /// Most colours, as all terminals have.
@@ -55,11 +56,11 @@ fn indexed(picture: &Picture) -> (Vec<[u8; 3]>, Vec<u8>) {
     let mut known: HashMap<[u8; 3], u8> = HashMap::new();
     let mut colors: Vec<[u8; 3]> = Vec::new();
     for color in picture.pixels().iter().map(opaque) {
-        if !known.contains_key(&color) {
+        if let Entry::Vacant(place) = known.entry(color) {
             if colors.len() == MOST_COLORS {
                 return chosen(picture);
             }
-            known.insert(color, colors.len() as u8);
+            place.insert(colors.len() as u8);
             colors.push(color);
         }
     }
