@@ -16,8 +16,8 @@ pub(super) const MOST_ASKED_PX: f64 = 1.0;
 pub(super) const MOST_FAIR_PX: f64 = 2.0;
 /// The same of surfaces with fewer triangles: what is beyond it is another figure.
 pub(super) const MOST_OF_SURFACES_PX: f64 = 5.0;
-/// Greatest error of a source beside itself: distances to its own surface are rounded.
-const ROUNDING_MM: f64 = 1e-3;
+/// Greatest error of a source beside itself, of its height: distances to its own surface are rounded.
+const ROUNDING: f64 = 1e-6;
 
 /// What is compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -149,8 +149,9 @@ impl Contest {
         paths.extend(written.iter().filter_map(|peer| peer.file.as_deref()));
         let mut judged = optimisers::judged(self.kind.judge(), source, &paths)?.into_iter();
         self.source = judged.next();
-        let own = self.source.as_ref().and_then(|own| own.error_mm);
-        let is_same = own.is_some_and(|own| own <= ROUNDING_MM);
+        let own = self.source.as_ref();
+        let own = own.and_then(|own| Some(own.error_mm? / own.height_mm));
+        let is_same = own.is_some_and(|own| own <= ROUNDING);
         ensure!(is_same, "the source differs from itself: {own:?}");
         for peer in &written {
             let who = format!("{} {}", peer.peer, peer.setting);
