@@ -17,8 +17,9 @@
 //! - [`figure_levels`]: pairs levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: data that a crowd reads instead of
 //!   computing it
-//! - [`greatest_vertex_error`]: how far two characters are apart in motion; [`greatest_surface_error`]: how far
-//!   their surfaces; [`watched_poses`], [`simplify_within`]: fewer triangles within a distance in motion
+//! - [`greatest_vertex_error`]: how far two characters are apart in motion; [`ReferenceClip`]: how far
+//!   versions of one clip; [`greatest_surface_error`]: how far their surfaces; [`watched_poses`],
+//!   [`simplify_within`]: fewer triangles within a distance in motion
 //! - [`hold_joints_in_clip`]: writes a motion at a level of articulation
 //! - [`face`]: facial animation parameters of MPEG-4 to blend shapes and back
 //! - [`evaluate`]: plays a clip with a method and measures its gain and its error in pixels

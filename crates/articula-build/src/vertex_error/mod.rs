@@ -39,7 +39,8 @@ pub fn greatest_vertex_error(
     worst.sqrt()
 }
 
-pub(super) fn times(clip: &RawClip, seed: u64) -> Vec<f32> {
+/// The times at which a clip is posed, in no order.
+fn times(clip: &RawClip, seed: u64) -> Vec<f32> {
     let keys = clip.channels.iter().flat_map(|c| &c.times_secs);
     let mut times: Vec<f32> = keys.copied().collect();
     times.sort_by(f32::total_cmp);

@@ -16,6 +16,8 @@ const ROUNDING: f32 = 1e-5;
 /// The error of a version is that of [`greatest_vertex_error`], found without posing every vertex at every time: a
 /// vertex is no farther than the stored mesh is in the clip itself, and than the matrices of its joints carry the
 /// corners of a box around their vertices from where the clip has them. The farther of these are posed.
+///
+/// Source: ours; `docs/methods/optimize.md`.
 #[derive(Debug, Clone)]
 pub struct ReferenceClip<'a> {
     clip: &'a RawClip,

@@ -68,7 +68,7 @@ impl<'a> References<'a> {
         self.rest.max(self.in_clips)
     }
 
-    /// The greatest error in metres of each of some versions of a clip.
+    /// Measures versions of a clip, which is posed anew if it was not kept.
     pub(super) fn measured<T>(
         &self,
         index: usize,
