@@ -55,13 +55,19 @@ async function withBuffers(document, binary, folder) {
   return { ...document, buffers };
 }
 
-/** Document, loaded scene with its animations, and the object of every node. */
-export async function openScene(file) {
+/** Document, and the text of one with every buffer in it and no pictures. */
+export async function readAsText(file) {
   const { document, binary } = open(new Uint8Array(await readFile(file)));
   const whole = await withBuffers(withoutPictures(document), binary, dirname(file));
-  const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
-  // The loader knows one of the two names of the same compression.
+  // Loaders know one of the two names of the same compression.
   const json = JSON.stringify(whole).replaceAll("KHR_meshopt_compression", "EXT_meshopt_compression");
+  return { document, json };
+}
+
+/** Document, loaded scene with its animations, and the object of every node. */
+export async function openScene(file) {
+  const { document, json } = await readAsText(file);
+  const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
   const gltf = await loader.parseAsync(json, "");
   const count = document.nodes?.length ?? 0;
   const nodes = await Promise.all(

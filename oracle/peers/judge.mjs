@@ -30,7 +30,8 @@ function clipOf({ animations }, wanted, index) {
   return animations.find(({ name }) => name === wanted.name) ?? animations[index];
 }
 
-function play({ scene, mixer }, clip, time) {
+/** Shows a scene at a time of a clip; at rest without one. */
+export function play({ scene, mixer }, clip, time) {
   mixer.stopAllAction();
   if (clip) {
     const action = mixer.clipAction(clip);

@@ -10,7 +10,8 @@ use crate::query::{Parameters, Refusal, unknown_word};
 use crate::reply::{CHANGING, stored};
 use articula::build::face::arkit_name;
 use articula::item::{Item, Manifest, PartKind, assemble, compressed};
-use articula::{CharacterFile, Error, Format, OpenOptions, convert};
+use articula::optimize::{Compression, OptimizeOptions, TextureFormat, TextureOptions, optimize};
+use articula::{CharacterFile, Error, Executor, Format, OpenOptions, convert, open};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use std::borrow::Cow;
@@ -25,6 +26,12 @@ const TEXTURE_PX: RangeInclusive<u32> = 256..=1024;
 const QUALITIES: [&str; 3] = ["high", "medium", "low"];
 /// Sides of a texture atlas in pixels.
 const ATLAS_PX: RangeInclusive<u32> = 64..=4096;
+/// How arrays are compressed, by the words of `articula optimize --compress`.
+const COMPRESSIONS: [(&str, Compression); 3] = [
+    ("ext", Compression::Ext),
+    ("khr", Compression::Khr),
+    ("quantize", Compression::Quantized),
+];
 /// Nothing of a kind.
 const NONE: &str = "none";
 /// The morph targets that have names of ARKit.
@@ -40,8 +47,9 @@ const CHANNELS: [&str; 6] = [
     "occlusion",
 ];
 /// The parameters of a query.
-const PARAMETERS: [&str; 9] = [
+const PARAMETERS: [&str; 10] = [
     "clip",
+    "compression",
     "loa",
     "lod",
     "mesh",
@@ -89,6 +97,8 @@ struct WantedGlb {
     is_without_textures: bool,
     /// Longest side of one picture for the textures of all materials.
     atlas_px: Option<u32>,
+    /// How arrays are rounded and compressed, if they are.
+    compression: Option<Compression>,
     /// Names of morph targets, and groups of them; all without.
     morphs: Option<BTreeSet<String>>,
 }
@@ -97,6 +107,12 @@ impl WantedGlb {
     fn new(query: &mut Parameters, of: &Manifest) -> Result<Self, Refusal> {
         let named = clips(of).into_iter().chain([NONE]).collect::<Vec<_>>();
         let clip = query.word("clip", &named)?;
+        let words: Vec<&str> = COMPRESSIONS.iter().map(|(word, _)| *word).collect();
+        let compression = query.word("compression", &[&words[..], &[NONE]].concat())?;
+        let compression = compression.and_then(|word| {
+            let known = COMPRESSIONS.into_iter().find(|(known, _)| *known == word);
+            known.map(|(_, compression)| compression)
+        });
         let loa = query.number("loa", LOA)?;
         let lod = query.number("lod", LOD)?;
         if lod.is_some() && query.has("mesh") {
@@ -134,6 +150,7 @@ impl WantedGlb {
             is_still,
             is_without_textures: !has_textures,
             atlas_px,
+            compression,
             morphs,
         })
     }
@@ -186,8 +203,34 @@ impl WantedGlb {
             };
             opened.merge_textures(longest_px).map_err(refused)?;
         }
-        Ok(convert::write(&opened, Format::Glb)?.bytes)
+        let glb = convert::write(&opened, Format::Glb)?.bytes;
+        match self.compression {
+            Some(compression) => Ok(compact(glb, compression, open)?),
+            None => Ok(glb),
+        }
     }
+}
+
+/// The file with fewer keys and with rounded arrays in a compression, where that is smaller.
+fn compact(
+    glb: Vec<u8>,
+    compression: Compression,
+    options: &OpenOptions,
+) -> Result<Vec<u8>, Error> {
+    let beside = &mut |uri: &str| Err(format!("{uri}: not in the file"));
+    let opened = open(&glb, "figure.glb", options, beside)?;
+    let options = OptimizeOptions {
+        compression,
+        // Levels of the mesh and sizes of textures are chosen by other parameters.
+        simplify: false,
+        textures: TextureOptions {
+            format: TextureFormat::Keep,
+            ..TextureOptions::default()
+        },
+        ..OptimizeOptions::default()
+    };
+    let optimized = optimize(&opened, &options, &Executor::default())?;
+    Ok(optimized.or_source(&glb).glb)
 }
 
 /// Whether a list says at once that there is nothing and something.

@@ -25,7 +25,9 @@ mod root_motion;
 mod trim;
 
 pub use cycle::{CloseOptions, ClosedLoop, LoopCycle, MIN_SCORE, close_loop, find_loop};
-pub use key_reduction::{ReduceOptions, ReducedClip, Timelines, reduce_keys, value_tolerances};
+pub use key_reduction::{
+    KeyReduction, ReduceOptions, ReducedClip, Timelines, reduce_keys, value_tolerances,
+};
 pub use rate::resample_keys;
 pub use root_motion::{
     RootMotion, RootMotionMode, RootMotionOptions, TrajectoryKey, split_root_motion,

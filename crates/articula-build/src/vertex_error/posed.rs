@@ -82,11 +82,29 @@ impl<'a> PosedVertices<'a> {
         &self.palette
     }
 
+    /// The matrices of all bindings where the joints that a clip moves are posed as those of another character are.
+    pub(super) fn palette_as(&mut self, other: &PosedVertices<'_>, clip: &RawClip) -> &[Affine3A] {
+        self.local.copy_from(self.rig.rest_pose());
+        let (own, moved) = (&mut self.local, &other.local);
+        for channel in &clip.channels {
+            let joint = channel.target;
+            match channel.property {
+                Property::Translation => own.translations[joint] = moved.translations[joint],
+                Property::Rotation => own.rotations[joint] = moved.rotations[joint],
+                Property::Scale => own.scales[joint] = moved.scales[joint],
+                Property::Weights | Property::Expression => {}
+            }
+        }
+        local_to_model(&self.rig, &self.local, &mut self.model);
+        palette(&self.mesh, &self.model, &mut self.palette);
+        &self.palette
+    }
+
     /// Joints at a time of a clip in seconds, or at rest.
     fn pose(&mut self, clip: Option<&RawClip>, secs: f32) {
-        self.local.copy_from(self.rig.rest_pose());
-        if let Some(clip) = clip {
-            evaluate::pose(clip, &self.character.skeleton, secs, &mut self.local);
+        match clip {
+            Some(clip) => evaluate::pose(clip, &self.character.skeleton, secs, &mut self.local),
+            None => self.local.copy_from(self.rig.rest_pose()),
         }
         local_to_model(&self.rig, &self.local, &mut self.model);
     }

@@ -6,7 +6,6 @@ use articula_core::Mesh;
 use articula_core::source::{Property, RawClip};
 use glam::{Affine3A, Vec3, Vec3A};
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 /// What rounding adds to a distance at most, of the longest position.
 const ROUNDING: f32 = 1e-5;
@@ -80,6 +79,18 @@ impl<'a> ReferenceClip<'a> {
         }
     }
 
+    /// The same clip beside versions of it on the mesh of the source, which need not pose it again.
+    pub fn on_source(&self) -> Self {
+        let bounds = self.bounds.as_ref();
+        Self {
+            clip: self.clip,
+            wanted: self.wanted.clone(),
+            shown: self.wanted.clone(),
+            seed: self.seed,
+            bounds: bounds.map(|bounds| bounds.on_source(&self.wanted.mesh)),
+        }
+    }
+
     /// The clip as the source has it.
     pub fn clip(&self) -> &'a RawClip {
         self.clip
@@ -134,7 +145,6 @@ impl Bounds {
             .iter()
             .map(|p| p.length_squared())
             .fold(0.0, f32::max);
-        let is_same = Arc::ptr_eq(&from.mesh, &to.mesh) && from.moves_as(to);
         let mut bounds = Self {
             groups: groups(&to.mesh, &shown),
             times_secs: times(clip, seed),
@@ -148,18 +158,29 @@ impl Bounds {
         for secs in bounds.times_secs.clone() {
             let palette = from.palette_at(clip, secs);
             bounds.wanted_palettes.extend_from_slice(palette);
-            let palette = to.palette_at(clip, secs);
+            let palette = to.palette_as(from, clip);
             bounds.shown_palettes.extend_from_slice(palette);
             let pairs = [(&*from.mesh, &*from.palette), (&*to.mesh, &*to.palette)];
             for group in &bounds.groups {
-                let squared = match is_same {
-                    true => 0.0,
-                    false => bounds.squared_error(&group.vertices, pairs),
-                };
+                let squared = bounds.squared_error(&group.vertices, pairs);
                 bounds.rounding.push(squared.sqrt());
             }
         }
         bounds
+    }
+
+    fn on_source(&self, mesh: &Mesh) -> Self {
+        let groups = groups(mesh, &self.wanted);
+        Self {
+            rounding: vec![0.0; groups.len() * self.times_secs.len()],
+            groups,
+            times_secs: self.times_secs.clone(),
+            wanted: self.wanted.clone(),
+            shown: self.wanted.clone(),
+            wanted_palettes: self.wanted_palettes.clone(),
+            shown_palettes: self.wanted_palettes.clone(),
+            slack: self.slack,
+        }
     }
 
     fn greatest_error(
@@ -385,6 +406,12 @@ mod tests {
                     seed,
                 );
                 prop_assert_eq!(reference.greatest_error(&version), expected);
+                let on_source = greatest_vertex_error(
+                    (&mut wanted.clone(), Some(&clip_of_source)),
+                    (&mut wanted.clone(), Some(&version)),
+                    seed,
+                );
+                prop_assert_eq!(reference.on_source().greatest_error(&version), on_source);
             }
         }
     }

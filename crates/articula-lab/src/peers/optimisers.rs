@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Message for missing results of the peers.
-pub(crate) const MISSING: &str = "gltfpack, glTF-Transform and three.js (no node, or `npm ci` was not run in oracle and oracle/peers)";
+pub(crate) const MISSING: &str = "gltfpack, glTF-Transform, Babylon.js and three.js (no node, or `npm ci` was not run in oracle and oracle/peers)";
 
 /// The file of a peer.
 #[derive(Debug, Clone, Deserialize)]
@@ -36,6 +36,15 @@ pub(crate) struct Judged {
     pub(crate) brotli: usize,
 }
 
+/// How Babylon.js shows a file beside three.js.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub(crate) struct Shown {
+    /// Greatest distance of a vertex between the two in any pose; `None` if Babylon.js cannot read the file.
+    pub(crate) apart_mm: Option<f64>,
+    /// Why it cannot.
+    pub(crate) fault: Option<String>,
+}
+
 /// Whether the peers and the judge can run.
 ///
 /// # Errors
@@ -44,7 +53,9 @@ pub(crate) fn are_there() -> Result<bool> {
     let node = Command::new("node").arg("--version").output();
     let is_there = node.is_ok()
         && oracle().join("node_modules/three").is_dir()
-        && oracle().join("peers/node_modules/gltfpack").is_dir();
+        && ["gltfpack", "@babylonjs/loaders"]
+            .iter()
+            .all(|peer| oracle().join("peers/node_modules").join(peer).is_dir());
     let required = std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1");
     ensure!(is_there || !required, "ARTICULA_REQUIRE_TOOLS=1: {MISSING}");
     Ok(is_there)
@@ -80,6 +91,14 @@ pub(crate) fn judged(judge: Judge<'_>, source: &Path, files: &[&Path]) -> Result
     let rows: Vec<Judged> = answer(script, &words)?;
     ensure!(rows.len() == files.len(), "{script} left files out");
     Ok(rows)
+}
+
+/// Compares how Babylon.js shows a file with how three.js does.
+pub(crate) fn shown_by_babylon(file: &Path) -> Result<Shown> {
+    let rows: Vec<Shown> = answer("babylon.mjs", &[file])?;
+    rows.into_iter()
+        .next()
+        .context("babylon.mjs printed no row")
 }
 
 fn answer<T: DeserializeOwned>(script: &str, words: &[&Path]) -> Result<T> {

@@ -7,8 +7,9 @@ use articula::formats::Limits;
 use articula::item::{
     AdaptOptions, AdaptedItem, Item, ItemLayer, Manifest, MeshLevelEntry, adapt, decide,
 };
+use articula::optimize::{Compression, OptimizeOptions, TextureFormat, TextureOptions, optimize};
 use articula::stream::description::Context;
-use articula::{CharacterFile, OpenOptions, open};
+use articula::{CharacterFile, Executor, OpenOptions, open};
 
 /// Waits until all of a character is made.
 pub(crate) fn ready(server: &Server, name: &str) -> Manifest {
@@ -101,6 +102,7 @@ fn a_character_is_one_glb_of_what_a_query_asks_for() {
     levels_and_motions(&mut made, &manifest, &whole);
     morph_targets(&mut made);
     texture_atlas(&mut made);
+    compression(&mut made);
     valid(&made.1);
 
     cut(&server, &manifest);
@@ -232,6 +234,34 @@ fn texture_atlas(made: &mut Files<'_>) {
     assert!(merged.character().images.iter().any(name));
 }
 
+fn compression(made: &mut Files<'_>) {
+    let plain = made.get("man.glb?mesh=0");
+    let plain_bytes = made.1.last().unwrap().clone();
+    for (word, compression) in [
+        ("ext", Compression::Ext),
+        ("khr", Compression::Khr),
+        ("quantize", Compression::Quantized),
+    ] {
+        let small = made.get(&format!("man.glb?compression={word}&mesh=0"));
+        let options = OptimizeOptions {
+            compression,
+            simplify: false,
+            textures: TextureOptions {
+                format: TextureFormat::Keep,
+                ..TextureOptions::default()
+            },
+            ..OptimizeOptions::default()
+        };
+        let expected = optimize(&plain, &options, &Executor::default()).unwrap();
+        let bytes = made.1.last().unwrap();
+        assert!(*bytes == expected.glb, "{word}");
+        assert!(bytes.len() < plain_bytes.len(), "{word}");
+        assert_eq!(triangles(&small), triangles(&plain));
+    }
+    made.get("man.glb?compression=none&mesh=0");
+    assert_eq!(*made.1.last().unwrap(), plain_bytes);
+}
+
 /// Compares a cut with what `adapt` makes of the item, whose files a client has.
 fn cut(server: &Server, manifest: &Manifest) {
     let object = |hash: &str| server.get(&format!("/v1/o/{hash}"), &[]).body;
@@ -284,10 +314,14 @@ fn wrong(server: &Server, coarsest: u32) {
     for (query, told) in [
         (
             "size=3",
-            "clip, loa, lod, mesh, morphTargets, quality, textureAtlas, textureChannels, textureSizeLimit",
+            "clip, compression, loa, lod, mesh, morphTargets, quality, textureAtlas, textureChannels, textureSizeLimit",
         ),
         ("lod=1&lod=1", "lod: given twice"),
         ("lod=3", "lod: found 3, expected a whole number from 0 to 2"),
+        (
+            "compression=zip",
+            "compression: found \"zip\", expected one of ext, khr, quantize, none",
+        ),
         ("textureSizeLimit=128", "from 256 to 1024"),
         (
             "textureAtlas=one",

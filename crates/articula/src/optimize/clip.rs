@@ -6,7 +6,7 @@ use super::references::References;
 use crate::error::{Context, Result};
 use articula_build::ReferenceClip;
 use articula_build::clip_edit::{
-    EditSubject, ReduceOptions, Timelines, reduce_keys, value_tolerances,
+    EditSubject, KeyReduction, ReduceOptions, Timelines, value_tolerances,
 };
 use articula_core::Articulation;
 use articula_core::source::RawClip;
@@ -30,6 +30,15 @@ const TIME_STEP: f32 = 1.0 / 8192.0;
 const TIME_SHARE: f32 = 0.1;
 const FINER: f32 = 0.25;
 const FINEST: usize = 8;
+
+/// How a clip is made within a bound.
+struct Tries<'a> {
+    bound: f32,
+    times_secs: f32,
+    timelines: Timelines,
+    /// `None` where it has all its keys.
+    keys: Option<&'a KeyReduction<'a>>,
+}
 
 /// The character whose clips are made smaller, and its clips as its stored mesh shows them.
 pub(super) struct Subject<'a> {
@@ -61,16 +70,27 @@ impl<'a> Subject<'a> {
         };
         let times_secs = self.time_step(index, bound);
         let mut least = self.unchanged(index);
-        let mut bytes = usize::MAX;
+        let (mut bytes, mut scale) = (usize::MAX, 1.0);
+        let keys = options.reduce_keys;
+        let keys = keys.then(|| KeyReduction::new(&self.subject, clip));
+        let keys = keys.transpose()?;
         for timelines in kinds {
-            let bounds = (bound, times_secs);
-            let within = |clip: &ReferenceClip<'_>| self.within(clip, bounds, *timelines, options);
+            let tries = Tries {
+                bound,
+                times_secs,
+                timelines: *timelines,
+                keys: keys.as_ref(),
+            };
+            let within = |clip: &ReferenceClip<'_>| self.within(clip, &tries, scale);
             let found = self.references.measured(index, within);
             let found = found.with_context(|| format!("clip \"{}\"", clip.name))?;
             let needs =
                 |c: &OptimizedClip| compressed_clip_bytes(&c.clip, &c.steps, options.compression);
-            if let Some(found) = found.filter(|found| needs(found) < bytes) {
-                (bytes, least) = (needs(&found), found);
+            if let Some((found_at, found)) = found {
+                scale = found_at;
+                if needs(&found) < bytes {
+                    (bytes, least) = (needs(&found), found);
+                }
             }
         }
         Ok(least)
@@ -86,10 +106,8 @@ impl<'a> Subject<'a> {
 
     /// The step of the times of keys by which the fastest motion of a clip errs by a share of the bound.
     fn time_step(&self, index: usize, bound: f32) -> f32 {
-        let (reference, clip) = (
-            self.references.of_source(index),
-            self.references.clip(index),
-        );
+        let clip = self.references.clip(index);
+        let reference = self.references.measured(index, ReferenceClip::on_source);
         let mut times_secs = TIME_STEP;
         for _ in 0..FINEST {
             let steps = KeySteps {
@@ -108,27 +126,23 @@ impl<'a> Subject<'a> {
         times_secs
     }
 
-    /// A clip whose error is within the bound and near it, if one was found.
+    /// A clip whose error is within the bound and near it, if one was found, and the scale of its parts of the bound, which
+    /// is sought from one that was found before.
     fn within(
         &self,
         reference: &ReferenceClip<'_>,
-        (bound, times_secs): (f32, f32),
-        timelines: Timelines,
-        options: &OptimizeOptions,
-    ) -> Result<Option<OptimizedClip>> {
-        let (mut scale, mut over) = (1.0f32, f32::INFINITY);
+        tries: &Tries<'_>,
+        mut scale: f32,
+    ) -> Result<Option<(f32, OptimizedClip)>> {
+        let bound = tries.bound;
+        let mut over = f32::INFINITY;
         let mut best: Option<(f32, OptimizedClip)> = None;
         let mut failures = 0;
         for turn in 0..TRIES + MORE_TRIES {
             if turn >= TRIES && best.is_some() {
                 break;
             }
-            let tried = self.tried(
-                reference.clip(),
-                (scale * bound, times_secs),
-                timelines,
-                options,
-            )?;
+            let tried = self.tried(reference.clip(), tries, scale * bound)?;
             let error = reference.greatest_error(&rounded_clip(&tried.clip, &tried.steps));
             let ratio = (AIM * bound / error.max(1e-3 * bound)).clamp(0.25, 2.0);
             if error > bound {
@@ -147,26 +161,20 @@ impl<'a> Subject<'a> {
                 Some((under, _)) => under * ratio,
             };
         }
-        Ok(best.map(|(_, best)| best))
+        Ok(best)
     }
 
-    fn tried(
-        &self,
-        clip: &RawClip,
-        (bound, times_secs): (f32, f32),
-        timelines: Timelines,
-        options: &OptimizeOptions,
-    ) -> Result<OptimizedClip> {
-        let clip = if options.reduce_keys {
-            let reduce = ReduceOptions {
-                bound_metres: KEY_SHARE * bound,
-                drop_rest: true,
-                timelines,
-            };
-            reduce_keys(&self.subject, clip, &reduce)?.clip
-        } else {
-            clip.clone()
+    fn tried(&self, clip: &RawClip, tries: &Tries<'_>, bound: f32) -> Result<OptimizedClip> {
+        let reduce = ReduceOptions {
+            bound_metres: KEY_SHARE * bound,
+            drop_rest: true,
+            timelines: tries.timelines,
         };
+        let clip = match tries.keys {
+            Some(keys) => keys.reduced(&reduce)?.clip,
+            None => clip.clone(),
+        };
+        let times_secs = tries.times_secs;
         let values = value_tolerances(&self.subject, &clip, VALUE_SHARE * bound)?;
         let steps = values
             .into_iter()

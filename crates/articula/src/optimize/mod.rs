@@ -55,7 +55,7 @@ use articula_core::source::Character;
 use merged_joints::merged_joints;
 use sample::Sample;
 use simplification::{SURFACE_SHARES, Saving, Simplification, TAKEN};
-use source::Source;
+use source::{Shares, Source};
 use std::sync::Arc;
 use within::within;
 
@@ -172,6 +172,24 @@ fn optimized(
     made.ok_or_else(|| Error::unsuited("nothing was written"))
 }
 
+/// What fewer triangles save, and the shares of the error that need the fewest bytes with all triangles and with fewer,
+/// where they were found on the way.
+struct Saved {
+    saving: Saving,
+    whole: Option<Shares>,
+    fewer: Option<Shares>,
+}
+
+impl Saved {
+    fn of(saving: Saving) -> Self {
+        Self {
+            saving,
+            whole: None,
+            fewer: None,
+        }
+    }
+}
+
 /// A source, and what is known of the file that it is from.
 struct Prepared {
     source: Source,
@@ -222,29 +240,29 @@ impl Prepared {
         let source = &self.source;
         let is_few = |triangles: usize| max_triangles.is_none_or(|max| triangles <= max);
         let is_whole_few = is_few(source.triangles());
-        let (mut least, mut saving) = (None, Saving::None);
+        let (mut least, mut saved) = (None, Saved::of(Saving::None));
         let shares = SURFACE_SHARES.into_iter().filter(|_| options.simplify);
         for share in shares {
             let Some(simple) = Simplification::of(self, (bound, share), options, work)? else {
                 break;
             };
-            saving = match is_whole_few {
-                true => self.saving(&simple, bound, options, work)?,
-                false => Saving::Surely,
+            saved = match is_whole_few {
+                true => self.saved(&simple, bound, options, work)?,
+                false => Saved::of(Saving::Surely),
             };
-            if saving == Saving::None || !is_few(simple.source.triangles()) {
+            if saved.saving == Saving::None || !is_few(simple.source.triangles()) {
                 break;
             }
-            least = self.simplified(&simple, bound, options, work)?;
+            least = self.simplified(&simple, (bound, saved.fewer), options, work)?;
             if least.is_some() {
                 break;
             }
         }
-        let made = match (least, saving) {
+        let made = match (least, saved.saving) {
             (Some(least), Saving::Surely) => Some(least),
             (None, _) if !is_whole_few => None,
             (least, _) => {
-                let whole = within(source, bound, options, work)?;
+                let whole = within(source, (bound, saved.whole), options, work)?;
                 let least = least.filter(|least| least.glb.len() < whole.glb.len());
                 least.or(Some(whole))
             }
@@ -261,24 +279,28 @@ impl Prepared {
     }
 
     /// What fewer triangles save: of many clips, by some of them.
-    fn saving(
+    fn saved(
         &self,
         simple: &Simplification,
         bound: f32,
         options: &OptimizeOptions,
         work: &Executor<'_>,
-    ) -> Result<Saving> {
+    ) -> Result<Saved> {
         let source = &self.source;
         let saving = simple.saving(source, bound, options)?;
         let (Some(sample), Saving::Perhaps) = (Sample::of(source), saving) else {
-            return Ok(saving);
+            return Ok(Saved::of(saving));
         };
-        let (whole, _) = sample.least(source, bound, options, work)?;
+        let whole = sample.least(source, bound, options, work)?;
         let left = bound - TAKEN[0] * simple.metres;
-        let (fewer, _) = sample.least(&simple.source, left, options, work)?;
-        Ok(match fewer < whole {
-            true => Saving::Surely,
-            false => Saving::None,
+        let fewer = sample.least(&simple.source, left, options, work)?;
+        Ok(Saved {
+            saving: match fewer.0 < whole.0 {
+                true => Saving::Surely,
+                false => Saving::None,
+            },
+            whole: Some(whole.1),
+            fewer: Some(fewer.1),
         })
     }
 
@@ -286,12 +308,12 @@ impl Prepared {
     fn simplified(
         &self,
         simple: &Simplification,
-        bound: f32,
+        (bound, mut shares): (f32, Option<Shares>),
         options: &OptimizeOptions,
         work: &Executor<'_>,
     ) -> Result<Option<Optimized>> {
         for taken in TAKEN {
-            let left = bound - taken * simple.metres;
+            let left = (bound - taken * simple.metres, shares.take());
             let mut made = within(&simple.source, left, options, work)?;
             let metres = simple.surface_error(&self.source, &made.glb, options.seed)?;
             if metres <= bound {

@@ -90,11 +90,6 @@ impl<'a> References<'a> {
         &self.source.character.clips[index]
     }
 
-    /// The source at the times of one of its clips, beside itself.
-    pub(super) fn of_source(&self, index: usize) -> ReferenceClip<'a> {
-        ReferenceClip::new(&self.wanted, &self.wanted, self.clip(index), self.seed)
-    }
-
     /// Errors of a written file.
     pub(super) fn errors_of(
         &self,

@@ -30,10 +30,10 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// A sample of the clips of a file that has many.
+    /// A sample of the clips of a file that has many, with many keys.
     pub(super) fn of(source: &Source) -> Option<Self> {
         let all = &source.character.clips;
-        if all.len() <= MOST {
+        if all.len() <= MOST || Shares::of(&source.character) != Shares::OF_MOTION {
             return None;
         }
         let clips: Vec<usize> = (0..MOST).map(|i| i * all.len() / MOST).collect();

@@ -21,19 +21,23 @@ struct Attempt {
     is_finer: bool,
 }
 
-/// The file in which no vertex is farther than a bound in metres from where it is in the source. Where the mesh is a large
-/// part of it, with a smaller or a larger share of the error for the mesh, whichever needs fewer bytes.
+/// The file in which no vertex is farther than a bound in metres from where it is in the source. Unless the shares of the
+/// error are known, and where the mesh is a large part of the file, with a smaller or a larger share for the mesh,
+/// whichever needs fewer bytes.
 pub(super) fn within(
     source: &Source,
-    bound: f32,
+    (bound, known): (f32, Option<Shares>),
     options: &OptimizeOptions,
     work: &Executor<'_>,
 ) -> Result<Optimized> {
-    let shares = Shares::of(&source.character);
-    if let (Some(sample), Shares::OF_MOTION) = (Sample::of(source), shares) {
-        let (_, shares) = sample.least(source, bound, options, work)?;
+    let sampled = match (known, Sample::of(source)) {
+        (None, Some(sample)) => Some(sample.least(source, bound, options, work)?.1),
+        _ => known,
+    };
+    if let Some(shares) = sampled {
         return Ok(attempt(source, (bound, shares), options, work)?.made);
     }
+    let shares = Shares::of(&source.character);
     let first = attempt(source, (bound, shares), options, work)?;
     let bytes = first.made.glb.len() as f64;
     if shares != Shares::OF_MOTION || !may_save(source, first.is_finer, bytes) {

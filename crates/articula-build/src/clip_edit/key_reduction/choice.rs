@@ -3,13 +3,12 @@
 
 use super::super::channel;
 use super::super::subject::EditSubject;
-use super::morphs::MorphErrors;
-use super::watch::Watch;
+use super::observed::Observed;
 use super::{ReduceOptions, Timelines};
 use crate::motion_error::keys::central_rotation;
 use crate::motion_error::runs::long_runs;
 use articula_core::LibmQuat;
-use articula_core::source::{Channel, Interpolation, Property, RawClip};
+use articula_core::source::{Channel, Interpolation, Property};
 use articula_core::{angle_between, same_hemisphere};
 use glam::Quat;
 
@@ -135,14 +134,9 @@ impl<'a> Choice<'a> {
 }
 
 /// The first selection for every channel, at its share of the bound.
-pub(super) fn first<'a>(
-    subject: &EditSubject<'_>,
-    clip: &'a RawClip,
-    opts: &ReduceOptions,
-    watch: &Watch,
-    morphs: &MorphErrors,
-) -> Vec<Choice<'a>> {
-    let levers = watch.levers(subject);
+pub(super) fn first<'a>(observed: &Observed<'a>, opts: &ReduceOptions) -> Vec<Choice<'a>> {
+    let (subject, clip, morphs) = (observed.subject, observed.clip, &observed.morphs);
+    let levers = observed.watch.levers(subject);
     let near: Vec<_> = clip
         .channels
         .iter()

@@ -12,18 +12,17 @@
 
 mod choice;
 mod morphs;
+mod observed;
 mod proof;
 mod watch;
 
 use super::channel;
-use super::grid::{VERIFIED_HZ, grid};
 use super::subject::EditSubject;
-use crate::clip::steps_at;
 use crate::reduce::{ClipSize, whole_clip_size};
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
 use choice::{Choice, KeptKeys};
-use morphs::MorphErrors;
+use observed::Observed;
 use proof::Proof;
 use watch::Watch;
 
@@ -82,39 +81,59 @@ pub fn reduce_keys(
     clip: &RawClip,
     opts: &ReduceOptions,
 ) -> Result<ReducedClip, Mismatch> {
-    subject.check(clip)?;
-    if !(opts.bound_metres.is_finite() && opts.bound_metres > 0.0) {
-        let what = format!("must be positive and finite, found {}", opts.bound_metres);
-        return Err(Mismatch::new("bound_metres", what));
+    KeyReduction::new(subject, clip)?.reduced(opts)
+}
+
+/// A clip of which keys can be removed at several bounds. What is observed of the clip is found once.
+pub struct KeyReduction<'a> {
+    source: Observed<'a>,
+}
+
+impl<'a> KeyReduction<'a> {
+    /// Evaluates the clip at the times at which reductions are verified.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the clip does not belong to this character, or is longer than can be verified.
+    pub fn new(subject: &'a EditSubject<'a>, clip: &'a RawClip) -> Result<Self, Mismatch> {
+        let source = Observed::new(subject, clip)?;
+        Ok(Self { source })
     }
-    steps_at(clip, clip.duration_secs, VERIFIED_HZ, 1)?;
-    let times = grid([clip], clip.duration_secs);
-    let watch = Watch::new(subject, clip);
-    let morphs = MorphErrors::new(subject, clip);
-    let mut choices = choice::first(subject, clip, opts, &watch, &morphs);
-    let mut proof = Proof::new(subject, clip, &times, &watch, &morphs, opts);
-    let mut worst_metres = proof.tighten(&mut choices);
-    // Channels of shared times have lost the same keys.
-    if opts.timelines == Timelines::Own && choice::give_back(&mut choices) {
-        worst_metres = proof.tighten(&mut choices);
+
+    /// Removes keys as [`reduce_keys`] does.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the bound is not positive.
+    pub fn reduced(&self, opts: &ReduceOptions) -> Result<ReducedClip, Mismatch> {
+        if !(opts.bound_metres.is_finite() && opts.bound_metres > 0.0) {
+            let what = format!("must be positive and finite, found {}", opts.bound_metres);
+            return Err(Mismatch::new("bound_metres", what));
+        }
+        let clip = self.source.clip;
+        let mut choices = choice::first(&self.source, opts);
+        let mut proof = Proof::new(&self.source, opts);
+        let mut worst_metres = proof.tighten(&mut choices);
+        // Channels of shared times have lost the same keys.
+        if opts.timelines == Timelines::Own && choice::give_back(&mut choices) {
+            worst_metres = proof.tighten(&mut choices);
+        }
+        let left = choices.iter().filter(|c| c.kept != KeptKeys::Rest);
+        let mut out = RawClip {
+            channels: left.map(Choice::shown).collect(),
+            ..clip.clone()
+        };
+        // A clip without any channel could not be written to a file.
+        if out.channels.is_empty() {
+            out.channels.extend(choices.first().map(Choice::shown));
+        }
+        channel::keep_length(&mut out);
+        Ok(ReducedClip {
+            worst_metres,
+            times: self.source.times.len(),
+            before: whole_clip_size(clip),
+            after: whole_clip_size(&out),
+            clip: out,
+        })
     }
-    let left = choices.iter().filter(|c| c.kept != KeptKeys::Rest);
-    let mut out = RawClip {
-        channels: left.map(Choice::shown).collect(),
-        ..clip.clone()
-    };
-    // A clip without any channel could not be written to a file.
-    if out.channels.is_empty() {
-        out.channels.extend(choices.first().map(Choice::shown));
-    }
-    channel::keep_length(&mut out);
-    Ok(ReducedClip {
-        worst_metres,
-        times: times.len(),
-        before: whole_clip_size(clip),
-        after: whole_clip_size(&out),
-        clip: out,
-    })
 }
 
 /// For each channel of a clip, the change of a value by which nothing of the character moves by more

@@ -2,8 +2,7 @@
 
 use super::super::subject::{EditSubject, Posed};
 use super::choice::{Choice, distance};
-use super::morphs::MorphErrors;
-use super::watch::Watch;
+use super::observed::Observed;
 use super::{ReduceOptions, Timelines};
 use articula_core::Rig;
 use articula_core::source::{Channel, Property, RawClip};
@@ -11,11 +10,7 @@ use glam::Vec3A;
 
 /// State of a verification.
 pub(super) struct Proof<'a> {
-    subject: &'a EditSubject<'a>,
-    clip: &'a RawClip,
-    times: &'a [f32],
-    watch: &'a Watch,
-    morphs: &'a MorphErrors,
+    source: &'a Observed<'a>,
     bound_metres: f32,
     /// Whether channels with the same times in the source keep the same keys.
     is_shared: bool,
@@ -23,6 +18,7 @@ pub(super) struct Proof<'a> {
     errors: Vec<f32>,
     /// Times that must be evaluated (again).
     is_open: Vec<bool>,
+    /// Buffers of poses.
     wanted: Posed,
     played: Posed,
     /// Error of each joint's skin caused by morph weights.
@@ -48,6 +44,8 @@ fn limbs(rig: &Rig) -> Vec<usize> {
 /// A point whose error exceeds the bound.
 #[derive(Debug, Clone, Copy)]
 struct Breach {
+    /// Of the time.
+    index: usize,
     time: f32,
     joint: usize,
     /// The point, in the joint's space.
@@ -76,24 +74,14 @@ impl Mended {
 }
 
 impl<'a> Proof<'a> {
-    pub(super) fn new(
-        subject: &'a EditSubject<'a>,
-        clip: &'a RawClip,
-        times: &'a [f32],
-        watch: &'a Watch,
-        morphs: &'a MorphErrors,
-        opts: &ReduceOptions,
-    ) -> Self {
+    pub(super) fn new(source: &'a Observed<'a>, opts: &ReduceOptions) -> Self {
+        let (subject, times) = (source.subject, source.times.len());
         Self {
-            subject,
-            clip,
-            times,
-            watch,
-            morphs,
+            source,
             bound_metres: opts.bound_metres,
             is_shared: opts.timelines == Timelines::Shared,
-            errors: vec![0.0; times.len()],
-            is_open: vec![false; times.len()],
+            errors: vec![0.0; times],
+            is_open: vec![false; times],
             wanted: subject.rest(),
             played: subject.rest(),
             morphed: vec![0.0; subject.rig.len()],
@@ -105,18 +93,18 @@ impl<'a> Proof<'a> {
     pub(super) fn tighten(&mut self, choices: &mut [Choice<'_>]) -> f32 {
         let mut shown = RawClip {
             channels: choices.iter().map(Choice::shown).collect(),
-            ..self.clip.clone()
+            ..self.source.clip.clone()
         };
         self.is_open.fill(true);
         loop {
             let mut breaches = self.breaches(&shown);
             breaches.sort_by(|a, b| b.excess.total_cmp(&a.excess));
             let mut mended = Mended {
-                spans: vec![Vec::new(); self.subject.rig.len()],
+                spans: vec![Vec::new(); self.source.subject.rig.len()],
             };
             let mut is_done = true;
             for breach in &breaches {
-                if mended.concerns(&self.subject.rig, breach) {
+                if mended.concerns(&self.source.subject.rig, breach) {
                     continue;
                 }
                 let Some((c, key)) = self.blamed(breach, &shown, choices) else {
@@ -168,32 +156,40 @@ impl<'a> Proof<'a> {
     }
 
     fn reopen(&mut self, from: f32, to: f32) {
-        let first = self.times.partition_point(|t| *t < from);
-        let last = self.times.partition_point(|t| *t <= to);
+        let times = &self.source.times;
+        let first = times.partition_point(|t| *t < from);
+        let last = times.partition_point(|t| *t <= to);
         self.is_open[first..last].fill(true);
     }
 
     /// Evaluates every open time and returns the worst point of each limb that exceeds the bound.
     fn breaches(&mut self, shown: &RawClip) -> Vec<Breach> {
         let mut found = Vec::new();
-        let mut worst: Vec<Option<Breach>> = vec![None; self.subject.rig.len()];
-        for i in 0..self.times.len() {
+        let Observed {
+            subject,
+            clip,
+            watch,
+            morphs,
+            ..
+        } = self.source;
+        let mut worst: Vec<Option<Breach>> = vec![None; subject.rig.len()];
+        for (i, time) in self.source.times.iter().copied().enumerate() {
             if !std::mem::replace(&mut self.is_open[i], false) {
                 continue;
             }
-            let time = self.times[i];
-            self.play(shown, time);
-            self.morphs
-                .errors(self.clip, &shown.channels, time, &mut self.morphed);
+            let wanted = self.source.pose(i, &mut self.wanted);
+            subject.pose(shown, time, &mut self.played);
+            morphs.errors(clip, &shown.channels, time, &mut self.morphed);
             self.errors[i] = 0.0;
-            for joint in 0..self.subject.rig.len() {
+            for joint in 0..subject.rig.len() {
                 let allowed = self.bound_metres - self.morphed[joint];
-                let (error, point) = self.watch.error(joint, &self.wanted, &self.played, allowed);
+                let (error, point) = watch.error(joint, wanted, &self.played, allowed);
                 self.errors[i] = self.errors[i].max(error + self.morphed[joint]);
                 let excess = error - allowed;
                 let of_limb = &mut worst[self.limbs[joint]];
                 if excess > 0.0 && of_limb.is_none_or(|w| w.excess < excess) {
                     *of_limb = Some(Breach {
+                        index: i,
                         time,
                         joint,
                         point,
@@ -206,11 +202,6 @@ impl<'a> Proof<'a> {
         found
     }
 
-    fn play(&mut self, shown: &RawClip, time: f32) {
-        self.subject.pose(self.clip, time, &mut self.wanted);
-        self.subject.pose(shown, time, &mut self.played);
-    }
-
     /// The channel above a breach that moves its point most, and its missing key.
     fn blamed(
         &mut self,
@@ -218,20 +209,20 @@ impl<'a> Proof<'a> {
         shown: &RawClip,
         choices: &[Choice<'_>],
     ) -> Option<(usize, usize)> {
-        self.play(shown, breach.time);
-        let point = self.wanted.model.matrices[breach.joint].transform_point3a(breach.point);
+        let subject = self.source.subject;
+        let wanted = self.source.pose(breach.index, &mut self.wanted);
+        subject.pose(shown, breach.time, &mut self.played);
+        let poses = [wanted, &self.played];
+        let point = wanted.model.matrices[breach.joint].transform_point3a(breach.point);
         let mut most: Option<(f32, usize, usize)> = None;
         for (c, choice) in choices.iter().enumerate() {
             let channel = choice.source;
             let above = channel.property.is_of_joint()
-                && self
-                    .subject
-                    .rig
-                    .is_at_or_below(breach.joint, channel.target);
+                && subject.rig.is_at_or_below(breach.joint, channel.target);
             if !above {
                 continue;
             }
-            let moved = self.moved(channel, point);
+            let moved = moved(subject, channel, poses, point);
             let Some(key) = choice.missing(breach.time) else {
                 continue;
             };
@@ -241,27 +232,32 @@ impl<'a> Proof<'a> {
         }
         most.map(|(_, c, key)| (c, key))
     }
+}
 
-    /// Approximate distance by which the error of one channel alone moves a point, metres.
-    fn moved(&self, channel: &Channel, point: Vec3A) -> f32 {
-        let joint = channel.target;
-        let local = |posed: &Posed| match channel.property {
-            Property::Rotation => posed.local.rotations[joint].to_array().to_vec(),
-            Property::Scale => posed.local.scales[joint].to_array().to_vec(),
-            _ => posed.local.translations[joint].to_array().to_vec(),
-        };
-        let apart = distance(channel.property, &local(&self.wanted), &local(&self.played));
-        let lever = point.distance(self.wanted.model.matrices[joint].translation);
-        match channel.property {
-            Property::Rotation => apart * lever,
-            Property::Scale => {
-                let scale = self.wanted.local.scales[joint].abs().min_element();
-                apart * lever / scale.max(1e-6)
-            }
-            _ => {
-                let parent = self.subject.rig.parent(joint);
-                apart * parent.map_or(1.0, |p| self.subject.scale_at_rest(p))
-            }
+/// Approximate distance by which the error of one channel alone, between two poses, moves a point, metres.
+fn moved(
+    subject: &EditSubject<'_>,
+    channel: &Channel,
+    [wanted, played]: [&Posed; 2],
+    point: Vec3A,
+) -> f32 {
+    let joint = channel.target;
+    let local = |posed: &Posed| match channel.property {
+        Property::Rotation => posed.local.rotations[joint].to_array().to_vec(),
+        Property::Scale => posed.local.scales[joint].to_array().to_vec(),
+        _ => posed.local.translations[joint].to_array().to_vec(),
+    };
+    let apart = distance(channel.property, &local(wanted), &local(played));
+    let lever = point.distance(wanted.model.matrices[joint].translation);
+    match channel.property {
+        Property::Rotation => apart * lever,
+        Property::Scale => {
+            let scale = wanted.local.scales[joint].abs().min_element();
+            apart * lever / scale.max(1e-6)
+        }
+        _ => {
+            let parent = subject.rig.parent(joint);
+            apart * parent.map_or(1.0, |p| subject.scale_at_rest(p))
         }
     }
 }

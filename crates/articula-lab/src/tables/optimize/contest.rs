@@ -1,6 +1,6 @@
 //! The files of one character, and the fair ones among those of the peers.
 
-use crate::peers::optimisers::{self, Judge, Judged};
+use crate::peers::optimisers::{self, Judge, Judged, Shown};
 use anyhow::{Context, Result, ensure};
 use articula::Executor;
 use articula::optimize::{
@@ -69,6 +69,8 @@ pub(super) struct Entrant {
     pub(super) file_bytes: usize,
     /// `None` without a judge.
     pub(super) judged: Option<Judged>,
+    /// How Babylon.js shows it, of ours; `None` without a judge.
+    pub(super) shown: Option<Shown>,
 }
 
 impl Entrant {
@@ -83,6 +85,12 @@ impl Entrant {
 
     pub(super) fn error_mm(&self) -> Option<f64> {
         self.judged.as_ref().and_then(|j| j.error_mm)
+    }
+
+    /// Greatest distance of a vertex between Babylon.js and three.js, of ours; not a number if it cannot be read.
+    pub(super) fn apart_mm(&self) -> Option<f64> {
+        let shown = self.shown.as_ref()?;
+        Some(shown.apart_mm.unwrap_or(f64::NAN))
     }
 
     /// The error in pixels.
@@ -167,6 +175,7 @@ impl Contest {
                 asked_mm: None,
                 file_bytes: std::fs::metadata(file)?.len() as usize,
                 judged: judged.next(),
+                shown: None,
             });
         }
         Ok(())
@@ -210,11 +219,12 @@ impl Contest {
         let extension = if is_khr { "KHR" } else { "EXT" };
         let file = folder.join(format!("ours-{extension}.glb"));
         std::fs::write(&file, &optimized.glb)?;
-        let judged = match self.source {
-            Some(_) => optimisers::judged(self.kind.judge(), source, &[&file])?
-                .into_iter()
-                .next(),
-            None => None,
+        let (judged, shown) = match self.source {
+            Some(_) => (
+                optimisers::judged(self.kind.judge(), source, &[&file])?.pop(),
+                Some(optimisers::shown_by_babylon(&file)?),
+            ),
+            None => (None, None),
         };
         Ok(Entrant {
             who: "ours".into(),
@@ -223,6 +233,7 @@ impl Contest {
             asked_mm: Some(f64::from(optimized.report.bound_mm)),
             file_bytes: optimized.glb.len(),
             judged,
+            shown,
         })
     }
 
@@ -272,6 +283,7 @@ pub(super) mod tests {
                 pictures: 10,
                 brotli: bytes / 2,
             }),
+            shown: None,
         }
     }
 
