@@ -211,7 +211,7 @@ proptest! {
         let count = character.skeleton.joints.len();
         let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let mode = RootMotionMode::Extract;
-        let out = split_root_motion(&subject, &character.clips[0], &RootMotionOptions { mode, smooth_secs }).unwrap();
+        let out = split_root_motion(&subject, &character.clips[0], &RootMotionOptions { mode, smooth_secs, ..RootMotionOptions::default() }).unwrap();
         prop_assert_eq!(out.carrier, Some(0));
         // Rounding, and the permitted error of straight pieces between keys.
         prop_assert!(out.worst_metres <= 3e-4, "{}", out.worst_metres);
@@ -284,7 +284,7 @@ proptest! {
         let count = character.skeleton.joints.len();
         let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let mode = RootMotionMode::InPlace;
-        let opts = RootMotionOptions { mode, smooth_secs: 0.0 };
+        let opts = RootMotionOptions { mode, ..RootMotionOptions::default() };
         let out = split_root_motion(&subject, &character.clips[0], &opts).unwrap();
         let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
         let start = joints(&character, &rig, &character.clips[0], 0.0).position(1);

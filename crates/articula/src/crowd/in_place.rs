@@ -43,6 +43,7 @@ pub fn put_in_place(
             let opts = RootMotionOptions {
                 mode: RootMotionMode::InPlace,
                 smooth_secs: SMOOTH_SECS,
+                is_unmeasured: true,
             };
             match split_root_motion(&subject, clip, &opts) {
                 Ok(out) => {

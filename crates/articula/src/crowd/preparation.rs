@@ -8,7 +8,7 @@ use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::prepared::stored::Stored;
 use crate::work::Executor;
-use articula_build::{Asset, ClipOptions, character};
+use articula_build::{Asset, ClipOptions, sampled_clip};
 use articula_build::{
     CacheOptions, JointLodOptions, MergedLevels, cache_of_keys, cached_poses, joint_lods,
     level_skins, lod_errors, mean_pose, motion_bounds, named_joint_lods, reach_bounds,
@@ -79,19 +79,31 @@ pub(crate) fn in_place(
     let mut source = figure.source_character();
     let articulation = figure.opened.articulation();
     let ends = figure.opened.end_sites();
-    let (ways, warnings) = put_in_place(&mut source, articulation.clone(), ends);
+    let (ways, warnings) = put_in_place(&mut source, articulation, ends);
     if ways.iter().all(Option::is_none) {
         let mut own = CharacterInPlace::authored(authored.clone());
         own.warnings = warnings;
         return Ok(own);
     }
-    let asset = character(&source, Some(articulation), &ClipOptions::default())?;
-    let mut paths = Vec::with_capacity(ways.len());
-    for (way, clip) in ways.iter().zip(&asset.clips) {
-        paths.push(way.as_ref().map(|way| root_path(way, clip)).transpose()?);
+    let (mut clips, mut paths) = (Vec::new(), Vec::new());
+    let each = ways.iter().zip(&source.clips).zip(&authored.clips);
+    for ((way, in_place), authored_clip) in each {
+        let Some(way) = way else {
+            clips.push(authored_clip.clone());
+            paths.push(None);
+            continue;
+        };
+        let options = ClipOptions::default();
+        let clip = sampled_clip(&source, in_place, &authored.mesh, &options)?;
+        paths.push(Some(root_path(way, &clip)?));
+        clips.push(clip);
     }
     Ok(CharacterInPlace {
-        asset,
+        asset: Asset {
+            rig: authored.rig.clone(),
+            mesh: authored.mesh.clone(),
+            clips,
+        },
         paths,
         warnings,
     })

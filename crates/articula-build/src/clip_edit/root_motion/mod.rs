@@ -46,6 +46,8 @@ pub struct RootMotionOptions {
     /// Length in seconds over which the path of the hips is averaged to give the trajectory, so
     /// that the sway of the hips stays in the clip; 0 follows the hips exactly.
     pub smooth_secs: f32,
+    /// Whether [`RootMotion::worst_metres`] is left at 0, which saves most of the time.
+    pub is_unmeasured: bool,
 }
 
 /// A clip after root motion was measured, extracted or removed, and its trajectory.
@@ -60,7 +62,7 @@ pub struct RootMotion {
     /// The trajectory, at the keys that the resulting clip has.
     pub trajectory: Vec<TrajectoryKey>,
     /// Maximum distance in metres of any joint from its position in the source, with the trajectory
-    /// added back; 0 if the clip is unchanged.
+    /// added back; 0 if the clip is unchanged or that is not measured.
     pub worst_metres: f32,
 }
 
@@ -100,7 +102,9 @@ pub fn split_root_motion(
     out.trajectory = trajectory.keys(&times);
     if changes {
         out.clip = split.clip(&times);
-        out.worst_metres = split.worst(&out.clip);
+        if !opts.is_unmeasured {
+            out.worst_metres = split.worst(&out.clip);
+        }
     }
     Ok(out)
 }
@@ -331,7 +335,7 @@ mod tests {
         let subject = EditSubject::new(character, articulation, &[]).unwrap();
         let opts = RootMotionOptions {
             mode,
-            smooth_secs: 0.0,
+            ..RootMotionOptions::default()
         };
         split_root_motion(&subject, clip, &opts).unwrap()
     }

@@ -190,6 +190,7 @@ fn root_motion(text: &str) -> Result<RootMotionOptions, String> {
     Ok(RootMotionOptions {
         mode: arguments::word(mode.unwrap_or(text), MODES)?,
         smooth_secs: secs.map_or(Ok(0.0), arguments::positive)?,
+        ..RootMotionOptions::default()
     })
 }
 
