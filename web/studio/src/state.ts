@@ -2,6 +2,10 @@
 export interface StudioState {
   page: 'stage' | 'crowd' | 'flat' | 'lighter' | 'stream' | 'devices';
   clip: string;
+  /** Whether choosing a clip makes its joints the active ones. */
+  own: boolean;
+  /** Whether motions that are taken home are of the active joints alone. */
+  alone: boolean;
   /** Time of the clip in seconds, where it is paused. */
   at: number;
   playing: boolean;
@@ -70,6 +74,8 @@ export interface StudioState {
 const USUAL: Readonly<StudioState> = {
   page: 'stage',
   clip: 'walk',
+  own: false,
+  alone: false,
   at: 0,
   playing: true,
   loop: true,

@@ -1,13 +1,15 @@
-//! What is made and measured of an opened character: moving pictures, digital items, lighter files, motions of its
+//! What is made and measured of an opened character: moving pictures, portraits, streams with their descriptions, digital items, lighter files, motions of its
 //! face, evaluation of motion level of detail, what the device can play. For a worker, as `tools`.
 
 mod benchmark;
+mod encode;
 mod evaluate;
 mod face;
 mod measured;
 mod optimize;
 mod options;
 mod packaged;
+mod portrait;
 
 use crate::long_options::read;
 use crate::opening::open_alone;

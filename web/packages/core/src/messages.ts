@@ -38,6 +38,9 @@ export type Task =
   | FileTask<'benchmark'>
   | FileTask<'inspect'>
   | FileTask<'package'>
+  | FileTask<'portrait'>
+  | FileTask<'encode'>
+  | FileTask<'encodeFace'>
   | (FileTask<'convert'> & { readonly to: string })
   | (FileTask<'addFaceClip'> & { readonly motion: Uint8Array; readonly motionName: string })
   | (FileTask<'addVoice'> & { readonly voice: Uint8Array; readonly voiceName: string })
@@ -46,7 +49,7 @@ export type Task =
 /** What a task returns. */
 export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'evaluate' | 'benchmark'
   ? string
-  : Call extends 'package'
+  : Call extends 'package' | 'portrait' | 'encode' | 'encodeFace'
     ? PackagedBytes[]
     : Call extends 'flattenMeasured' | 'optimize'
       ? MeasuredBytes

@@ -52,6 +52,9 @@ export class StageColumn {
   /** Metres by which the clip carries the figure in a second. */
   #drift: readonly [number, number] = [0, 0];
   #clipSecs = 0;
+  /** Transforms and matrices of the last frame that had any, or in which the clip went on. */
+  #work: readonly [number, number] = [0, 0];
+  #shownSecs = Number.NaN;
 
   constructor(asset: ArticulaAsset, rule: ColumnRule, clones = 0) {
     this.#asset = asset;
@@ -123,6 +126,7 @@ export class StageColumn {
         overlay.update(this.joints(figure), figure.core.jointStates);
       }
     });
+    this.#count(clipSecs);
   }
 
   /** Places the figures as they stand at a time of the clip. */
@@ -148,7 +152,8 @@ export class StageColumn {
 
   figures(): ColumnFigures {
     const states = this.figure.core.jointStates;
-    const [updated = 0, , sampled = 0, matrices = 0] = this.figure.core.work;
+    const [updated = 0] = this.figure.core.work;
+    const [sampled, matrices] = this.#work;
     const of = (state: number): number => states.reduce((sum, s) => sum + (s === state ? 1 : 0), 0);
     return { active: of(ACTIVE), passive: of(PASSIVE), changing: of(IN_TRANSITION), updated, sampled, matrices };
   }
@@ -157,6 +162,15 @@ export class StageColumn {
     this.#overlays.forEach((overlay) => overlay.dispose());
     this.crew.forEach((figure) => figure.dispose());
     this.root.removeFromParent();
+  }
+
+  /** Takes over what a frame took; one that shows the same again computes no matrices. */
+  #count(clipSecs: number): void {
+    const [, , sampled = 0, matrices = 0] = this.figure.core.work;
+    if (clipSecs !== this.#shownSecs || matrices > 0) {
+      this.#work = [sampled, matrices];
+    }
+    this.#shownSecs = clipSecs;
   }
 
   /** The time that a figure of the crew is at. */

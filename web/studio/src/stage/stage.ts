@@ -60,7 +60,7 @@ export class StagePage {
     const key = (kind: string, word: string, count: HTMLElement): HTMLElement => h('li', { class: kind }, word, ' ', count);
     const legend = h('ul', { class: 'state-key', 'aria-label': 'Joints by state' }, key('active', 'active', this.#counts.active), key('passive', 'passive', this.#counts.passive), key('changing', 'in transition', this.#counts.changing));
     this.main = h('div', { class: 'stage' }, h('div', { class: 'picture-frame' }, this.#labels, legend), this.timeline.element);
-    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, evaluate.element, takeHome(studio, viewport));
+    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, evaluate.element, takeHome(studio, viewport, () => this.#expression()));
     studio.addEventListener('state', () => this.#follow());
     studio.addEventListener('character', () => this.#renew());
     studio.addEventListener('selection', () => this.#levels.renew());
