@@ -45,7 +45,7 @@ export interface StudioState {
   tolerance: number;
   budget: number;
   tiers: boolean;
-  form: 'svg' | 'player' | 'lottie';
+  form: 'svg' | 'player' | 'lottie' | 'portrait';
   triangles: number;
   yaw: number;
   /** Error in pixels that a lighter file may have. */
@@ -140,7 +140,7 @@ const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
   ease: ['smooth', 'linear'],
   passive: ['hold', 'rest'],
   detail: ['tolerance', 'budget', 'full'],
-  form: ['svg', 'player', 'lottie'],
+  form: ['svg', 'player', 'lottie', 'portrait'],
   compress: ['ext', 'khr', 'quantize', 'none'],
   by: ['http', 'session'],
 };

@@ -14,6 +14,7 @@ import { LIGHTER } from './lighter.mjs';
 import { LOOKS } from './looks.mjs';
 import { native } from './native.mjs';
 import { OFFLINE } from './offline.mjs';
+import { RECORDING } from './recording.mjs';
 import { STEERING } from './steering.mjs';
 import { closeStore, STREAMS } from './streams.mjs';
 
@@ -29,7 +30,7 @@ let programs;
 const counts = { passed: 0, failed: 0 };
 try {
   const words = process.argv.slice(2);
-  for (const { name, needs, run } of [...STEERING, ...CONTROLS, ...CAMERA, ...OFFLINE, ...DROPS, ...FAULTS, ...FLAT, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS, ...FIREFOX].filter((test) => words.every((word) => test.name.includes(word)))) {
+  for (const { name, needs, run } of [...STEERING, ...CONTROLS, ...CAMERA, ...RECORDING, ...OFFLINE, ...DROPS, ...FAULTS, ...FLAT, ...LIGHTER, ...DEVICES, ...LOOKS, ...STREAMS, ...FIREFOX].filter((test) => words.every((word) => test.name.includes(word)))) {
     const start = performance.now();
     if (needs === 'native') {
       programs ??= native();

@@ -18,6 +18,7 @@ export {
   type PortraitFiles,
   type PortraitOptions,
   type PrepareOptions,
+  type RecordedFrames,
   type TaskOptions,
   Tools,
   type ToolsSource,

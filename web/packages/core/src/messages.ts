@@ -1,4 +1,5 @@
 import type { ArticulaFault } from './error.js';
+import type { RecordedFrames } from './tools.js';
 
 /** How far a task is. */
 export interface Progress {
@@ -44,6 +45,7 @@ export type Task =
   | (FileTask<'convert'> & { readonly to: string })
   | (FileTask<'addFaceClip'> & { readonly motion: Uint8Array; readonly motionName: string })
   | (FileTask<'addVoice'> & { readonly voice: Uint8Array; readonly voiceName: string })
+  | (FileTask<'addRecording'> & { readonly recording: RecordedFrames })
   | (FileTask<'addClips'> & { readonly motion: Uint8Array; readonly motionName: string });
 
 /** What a task returns. */

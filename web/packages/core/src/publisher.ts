@@ -40,6 +40,10 @@ serve(
         return Publisher.addFaceClip(bytes, name, task.motion, task.motionName, report);
       case 'addVoice':
         return Publisher.addVoice(bytes, name, task.voice, task.voiceName, report);
+      case 'addRecording': {
+        const { name: clip, times, joints, morphs } = task.recording;
+        return Publisher.addRecording(bytes, name, clip, times, joints, morphs, report);
+      }
       case 'benchmark':
         return Publisher.benchmark(bytes, name, options, report);
       case 'evaluate':

@@ -42,6 +42,22 @@ export interface FlattenOptions extends TaskOptions {
   readonly yawDeg?: number | undefined;
   readonly triangles?: number | undefined;
   readonly maxBytes?: number | undefined;
+  /** A camera that stands where it is told to, in metres in the space of the character; one that frames it if left out. */
+  readonly camera?: { readonly eye: Vector; readonly target: Vector; readonly fovDeg: number } | undefined;
+}
+
+type Vector = readonly [number, number, number];
+
+/** What a figure showed, frame by frame. */
+export interface RecordedFrames {
+  /** Name of the clip that it becomes. */
+  readonly name: string;
+  /** Seconds of the frames, from 0 on. */
+  readonly times: Float32Array;
+  /** For each frame the matrix of each joint in model space, three rows of four numbers. */
+  readonly joints: Float32Array;
+  /** For each frame the weights of all morph targets. */
+  readonly morphs: Float32Array;
 }
 
 /** Options of {@link Tools.portrait}. */
@@ -152,7 +168,7 @@ const PORTRAIT_REPORT = 'report.json';
 const IS_PUBLISHED = /\.(glb|vrm)$/i;
 
 /** What the publisher does. */
-const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'evaluate', 'optimize', 'benchmark', 'portrait', 'encode', 'encodeFace']);
+const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'addRecording', 'evaluate', 'optimize', 'benchmark', 'portrait', 'encode', 'encodeFace']);
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -205,6 +221,12 @@ export class Tools {
   ): Promise<Uint8Array> {
     const file = await this.#published(bytes, name, options);
     return this.#run({ call: 'addVoice', ...file, voice, voiceName, ...split(options) });
+  }
+
+  /** Returns the character with what a figure of it showed as a clip, in place of one of the same name. */
+  async addRecording(bytes: Uint8Array, name: string, recording: RecordedFrames, options: TaskOptions = {}): Promise<Uint8Array> {
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'addRecording', ...file, recording, ...split(options) });
   }
 
   /** Returns a clip as a moving picture of 2D shapes. */

@@ -82,9 +82,9 @@ export class StageColumn {
     this.crew.forEach(({ core }) => core.articulate(joints));
   }
 
-  /** Plays a clip on the spot: what carries the figure away is taken out. */
-  play(clip: number, secs: number): void {
-    this.#drift = drift(this.#asset, clip);
+  /** Plays a clip on the spot: what carries the figure away is taken out, unless it `travels`. */
+  play(clip: number, secs: number, travels = false): void {
+    this.#drift = travels ? [0, 0] : drift(this.#asset, clip);
     this.#clipSecs = this.#asset.clipSecs[clip] ?? 0;
     this.crew.forEach(({ core }, i) => core.play(clip, this.#ahead(secs, i)));
   }

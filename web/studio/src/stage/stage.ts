@@ -13,6 +13,7 @@ import { chosenJoints, LEVELS, LevelsPanel, spoken } from './levels.js';
 import { LivePanel } from './live.js';
 import { MetricPanel } from './metric.js';
 import { placement } from './placement.js';
+import { RecordingPanel } from './recording.js';
 import { takeHome } from './take-home.js';
 import { Timeline } from './timeline.js';
 import { VoiceSound } from './voice.js';
@@ -37,6 +38,7 @@ export class StagePage {
   readonly #clips: ClipsPanel;
   readonly #face: FacePanel;
   readonly #camera: CameraPanel;
+  readonly #recording: RecordingPanel;
   readonly #live = new LivePanel();
   readonly #labels = h('div', { class: 'column-labels' });
   readonly #counts = { active: h('b', {}), passive: h('b', {}), changing: h('b', {}) };
@@ -56,11 +58,12 @@ export class StagePage {
     this.#clips = new ClipsPanel(studio);
     this.#face = new FacePanel(studio, () => this.columns);
     this.#camera = new CameraPanel(studio, viewport, this.timeline, () => this.columns[0]);
+    this.#recording = new RecordingPanel(studio, viewport, () => this.columns[0]);
     const evaluate = new EvaluatePanel(studio, () => this.#expression());
     const key = (kind: string, word: string, count: HTMLElement): HTMLElement => h('li', { class: kind }, word, ' ', count);
     const legend = h('ul', { class: 'state-key', 'aria-label': 'Joints by state' }, key('active', 'active', this.#counts.active), key('passive', 'passive', this.#counts.passive), key('changing', 'in transition', this.#counts.changing));
     this.main = h('div', { class: 'stage' }, h('div', { class: 'picture-frame' }, this.#labels, legend), this.timeline.element);
-    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, evaluate.element, takeHome(studio, viewport, () => this.#expression()));
+    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, this.#recording.element, evaluate.element, takeHome(studio, viewport, () => this.#expression()));
     studio.addEventListener('state', () => this.#follow());
     studio.addEventListener('character', () => this.#renew());
     studio.addEventListener('selection', () => this.#levels.renew());
@@ -73,6 +76,7 @@ export class StagePage {
 
   unmount(): void {
     this.#camera.end();
+    this.#recording.end();
     this.voice.end();
     this.columns[0]?.dress({ ...this.#studio.state, body: 'solid' });
     this.#clear();
@@ -116,6 +120,7 @@ export class StagePage {
       return;
     }
     this.#camera.end();
+    this.#recording.end();
     this.#clear();
     this.#select();
     this.#levels.renew();
@@ -163,7 +168,8 @@ export class StagePage {
     this.timeline.setLength(asset.clipSecs[clip] ?? 1);
     this.voice.load(this.#studio.voices.get(asset.clips[clip] ?? ''));
     if (asset.clips.length > 0) {
-      this.columns.forEach((column) => column.play(clip, this.timeline.secs));
+      const travels = this.#studio.cameras.has(asset.clips[clip] ?? '');
+      this.columns.forEach((column) => column.play(clip, this.timeline.secs, travels));
     }
   }
 
@@ -230,6 +236,7 @@ export class StagePage {
       column.update(this.timeline.now, this.timeline.secs, this.#viewport);
     }
     const ms = performance.now() - start;
+    this.#recording.frame(dtSecs);
     const [first] = this.columns;
     if (first === undefined) {
       return;
