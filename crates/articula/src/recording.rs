@@ -177,10 +177,10 @@ mod tests {
         let mut model = ModelPose::new(rig.len());
         let mut rows = Vec::new();
         for secs in times_secs {
-            let frame = f64::from(*secs) * f64::from(figure.asset.clips[clip].rate_hz());
+            let secs = f64::from(*secs);
             sample(
                 &figure.asset.clips[clip],
-                frame,
+                secs,
                 Wrap::Clamp,
                 &rig.all(),
                 &mut local,

@@ -69,6 +69,17 @@ export interface StudioState {
   wanted: number;
   /** Megabytes that the decoded character may take; 0 for any. */
   memory: number;
+  /** How the encoder writes a stream: within an error, or in steps. */
+  coding: 'tolerance' | 'quantizer';
+  /** Greatest error of its finest layer in millimetres, and its layers. */
+  mm: number;
+  layers: number;
+  /** What joints have in common that are cut together. */
+  cut: 'region' | 'loa' | 'joint';
+  quantizer: number;
+  power: number;
+  /** Frames that are left out between two coded ones. */
+  skipped: number;
 }
 
 const USUAL: Readonly<StudioState> = {
@@ -127,6 +138,13 @@ const USUAL: Readonly<StudioState> = {
   beside: 0,
   wanted: 0.5,
   memory: 0,
+  coding: 'tolerance',
+  mm: 0.1,
+  layers: 5,
+  cut: 'region',
+  quantizer: 1,
+  power: 0,
+  skipped: 0,
 };
 
 /** Words that the fields of a few known words may have. */
@@ -143,6 +161,8 @@ const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
   form: ['svg', 'player', 'lottie', 'portrait'],
   compress: ['ext', 'khr', 'quantize', 'none'],
   by: ['http', 'session'],
+  coding: ['tolerance', 'quantizer'],
+  cut: ['region', 'loa', 'joint'],
 };
 
 /** Ranges of the numbers; others are at least 0. */
@@ -166,6 +186,11 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   beside: [0, 100_000],
   wanted: [0, 16],
   memory: [0, 4096],
+  mm: [0.01, 10],
+  layers: [1, 8],
+  quantizer: [1, 31],
+  power: [0, 7],
+  skipped: [0, 31],
 };
 
 /** Reads a fragment such as `#stage?clip=walk&complexity=Low`; what it does not know is left out. */

@@ -8,7 +8,7 @@ use crate::opening::{open_alone, open_options};
 use crate::progress::{ProgressCallback, run};
 use articula::clip_streams::unit_tree;
 use articula::convert::{AbpProfile, AfpProfile, ConvertOptions, convert, write_faps};
-use articula::item::{AQOS, AdaptOptions, PackageOptions, PartKind, aqos, gbsd, package};
+use articula::item::{AQOS, AdaptOptions, PackageOptions, PartKind, aqos, package};
 use articula::stream::StreamLimits;
 use articula::stream::abp1::Abp1Options;
 use articula::stream::abp2::{Grouping, MotionOptions};
@@ -136,7 +136,7 @@ impl Encode {
         };
         let made = convert(opened, Format::Abp, &options, work)?;
         let name = made.clips.first().map_or("clip", String::as_str);
-        described(&stem(name), "abp", made.written.bytes).map(Some)
+        described(&plain(name), "abp", made.written.bytes).map(Some)
     }
 
     /// A stream of layers within errors, and the table of what is sent of them.
@@ -163,12 +163,10 @@ impl Encode {
         };
         let stream = item.file(file).unwrap_or_default();
         let table = aqos(&item, &Context::default(), &AdaptOptions::default())?;
-        let short = file.rsplit('/').next().unwrap_or(file);
-        Ok(Some(vec![
-            (short.to_owned(), stream.to_vec()),
-            (description_of(short), gbsd(&item, file)?.into_bytes()),
-            (AQOS.to_owned(), table.write().into_bytes()),
-        ]))
+        let name = file.rsplit('/').next().unwrap_or(file);
+        let mut files = described(&stem(name), "abp", stream.to_vec())?;
+        files.push((AQOS.to_owned(), table.write().into_bytes()));
+        Ok(Some(files))
     }
 
     fn of_motion(&self, usual: &MotionOptions) -> MotionOptions {
@@ -219,17 +217,17 @@ fn description_of(stream: &str) -> String {
     format!("{}.gbsd.xml", stem(stream))
 }
 
-/// A name without its extension, of characters that all file systems have.
-fn stem(name: &str) -> String {
-    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-    let plain = |c: char| {
-        if c.is_alphanumeric() || "-_".contains(c) {
-            c
-        } else {
-            '-'
-        }
-    };
-    stem.chars().map(plain).collect()
+/// The name of a file without its extension.
+fn stem(file: &str) -> String {
+    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+    plain(stem)
+}
+
+/// A name of the characters that items have in theirs.
+fn plain(name: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_.".contains(c);
+    let characters = name.chars().map(|c| if is_plain(c) { c } else { '_' });
+    characters.collect()
 }
 
 fn no_motion(name: &str) -> Fault {
