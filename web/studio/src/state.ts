@@ -15,6 +15,10 @@ export interface StudioState {
   body: 'solid' | 'clear' | 'none';
   skeleton: boolean;
   radius: number;
+  /** Colours of joints by their states, as #rrggbb. */
+  activeColor: string;
+  passiveColor: string;
+  changingColor: string;
   /** Degrees by which the character is turned, and metres by which it stands aside. */
   turn: number;
   across: number;
@@ -82,7 +86,7 @@ export interface StudioState {
   skipped: number;
 }
 
-const USUAL: Readonly<StudioState> = {
+export const USUAL: Readonly<StudioState> = {
   page: 'stage',
   clip: 'walk',
   own: false,
@@ -95,6 +99,9 @@ const USUAL: Readonly<StudioState> = {
   body: 'clear',
   skeleton: true,
   radius: 1,
+  activeColor: '#1fae57',
+  passiveColor: '#d6393d',
+  changingColor: '#f2a60d',
   turn: 0,
   across: 0,
   nearer: 0,
@@ -165,6 +172,9 @@ const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
   cut: ['region', 'loa', 'joint'],
 };
 
+/** What the colours look like. */
+const COLOR = /^#[0-9a-f]{6}$/i;
+
 /** Ranges of the numbers; others are at least 0. */
 const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   count: [1, 10_000],
@@ -213,7 +223,7 @@ export function readState(fragment: string): StudioState {
       state[key] = Number.isFinite(value) ? Math.min(Math.max(value, least), most) : usual;
     } else if (typeof usual === 'boolean') {
       state[key] = text === '1';
-    } else if (words === undefined || words.includes(text)) {
+    } else if (key.endsWith('Color') ? COLOR.test(text) : words === undefined || words.includes(text)) {
       state[key] = text;
     }
   }

@@ -214,6 +214,19 @@ export const STEERING = [
       await slide(page, 'Size of joints', 2);
       await step(page, 1, 0);
       faults.push(...unless(Math.abs((await looks()).radius / before.radius - 2) < 0.01 && before.opacity < 1, 'joints keep their size'));
+      // Colours of states are chosen, and held by the link.
+      await page.locator('.fold > summary', { hasText: 'Colours' }).click();
+      await page.getByLabel('Active joints', { exact: true }).fill('#0000ff');
+      await step(page, 1, 0);
+      const blue = (await column(page)).colors;
+      const link = await page.evaluate(() => globalThis.articulaStudio.studio.permalink());
+      const [joint] = inState(await column(page), ACTIVE);
+      const legend = await page.locator('.state-key .active').evaluate((key) => getComputedStyle(key, '::before').backgroundColor);
+      faults.push(...unless(same(blue.slice(3 * joint, 3 * joint + 3), [0, 0, 1]) && legend === 'rgb(0, 0, 255)' && /activeColor=%230000ff/.test(link), `joint ${joint} is ${blue.slice(3 * joint, 3 * joint + 3)}, its legend ${legend}, the link ${link}`));
+      await page.getByRole('button', { name: 'Usual colours' }).click();
+      await step(page, 1, 0);
+      const usual = await column(page);
+      faults.push(...paintFaults(usual, 'usual colours'));
       await page.getByLabel('Skeleton', { exact: true }).uncheck();
       await page.getByLabel('Body', { exact: true }).selectOption('none');
       const after = await looks();

@@ -1,6 +1,6 @@
 import type { ArticulaAsset } from '@articula/three';
 import { ArticulaFigure } from '@articula/three';
-import { Group, type Material } from 'three';
+import { Color, Group, type Material } from 'three';
 
 import type { StudioState } from '../state.js';
 import { ACTIVE, IN_TRANSITION, PASSIVE, SkeletonOverlay } from '../view/skeleton.js';
@@ -97,7 +97,9 @@ export class StageColumn {
 
   /** How the body and the skeleton are shown. */
   dress(state: StudioState): void {
+    const colors = [state.passiveColor, state.activeColor, state.changingColor].map((color) => new Color(color));
     this.#overlays.forEach((overlay) => {
+      overlay.colors = colors;
       overlay.visible = state.skeleton;
       overlay.radius = heightOf(this.#asset) * 0.008 * state.radius;
     });

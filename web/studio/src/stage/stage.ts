@@ -6,6 +6,7 @@ import { packCameras } from './view-of.js';
 import { type Viewport, WIDTH_TO_HEIGHT } from '../view/viewport.js';
 import { CameraPanel } from './camera.js';
 import { ClipsPanel } from './clips.js';
+import { colors, paintLegend } from './colors.js';
 import { type ColumnRule, StageColumn, widthOf } from './column.js';
 import { EvaluatePanel } from './evaluate.js';
 import { FacePanel } from './face.js';
@@ -96,7 +97,7 @@ export class StagePage {
     const body = choice('Body', [['clear', 'See-through'], ['solid', 'Solid'], ['none', 'Hidden']], state.body, (word) => set({ body: word as StudioState['body'] }));
     const skeleton = toggle('Skeleton', state.skeleton, (on) => set({ skeleton: on }));
     const radius = slider({ label: 'Size of joints', min: 0.3, max: 3, step: 0.1, value: state.radius, shown: (n) => `${Math.round(100 * n)} %`, onInput: (n) => set({ radius: n }) });
-    return section('View', true, columns.element, body.element, skeleton.element, radius.element);
+    return section('View', true, columns.element, body.element, skeleton.element, radius.element, colors(this.#studio));
   }
 
   /** What the columns show. */
@@ -122,6 +123,7 @@ export class StagePage {
     this.#camera.end();
     this.#recording.end();
     this.#clear();
+    paintLegend(this.main, this.#studio.state);
     this.#select();
     this.#levels.renew();
     this.#metric.renew();
@@ -219,7 +221,8 @@ export class StagePage {
       this.timeline.secs = 0;
       this.#play();
     }
-    if (differs('body', 'skeleton', 'radius')) {
+    if (differs('body', 'skeleton', 'radius', 'activeColor', 'passiveColor', 'changingColor')) {
+      paintLegend(this.main, state);
       this.columns.forEach((column) => column.dress(state));
     }
     this.columns.forEach((column) => column.stand(state));
