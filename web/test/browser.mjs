@@ -1,7 +1,7 @@
 // A Chromium without a display that draws WebGL 2 and WebGPU in software.
 import { existsSync } from 'node:fs';
 
-import { chromium, firefox as firefoxes } from 'playwright-core';
+import { chromium } from 'playwright-core';
 
 const PROGRAM = process.env.CHROMIUM ?? '/usr/bin/chromium';
 
@@ -25,13 +25,4 @@ export async function browser() {
     return undefined;
   }
   return chromium.launch({ executablePath: PROGRAM, headless: true, chromiumSandbox: false, args: FLAGS });
-}
-
-/** Starts the Firefox of playwright, which alone it can steer; undefined if there is none. */
-export async function firefox() {
-  const program = process.env.FIREFOX ?? firefoxes.executablePath();
-  if (!existsSync(program)) {
-    return undefined;
-  }
-  return firefoxes.launch({ executablePath: program, headless: true });
 }

@@ -1,7 +1,7 @@
 // A server of characters, as `articula serve` is: the program that the tests have built.
 import { execFileSync, spawn } from 'node:child_process';
 import { existsSync } from 'node:fs';
-import { mkdtemp, rm } from 'node:fs/promises';
+import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -14,14 +14,27 @@ export const PROGRAM = [process.env.ARTICULA, join(ROOT, 'target/debug/articula'
   (path) => path !== undefined && existsSync(path),
 );
 
+const QUIET = { stdio: ['ignore', 'ignore', 'inherit'] };
+
 /**
  * Serves a character of the repository with one of its clips from a new folder, to pages of all origins; `more` are
- * words of `articula serve`.
+ * words of `articula serve`, and `carried` are files that it carries, by their names: it is then packaged as an item.
  */
-export async function openStore(file, clip, name, more = []) {
+export async function openStore(file, clip, name, more = [], carried = {}) {
   const folder = await mkdtemp(join(tmpdir(), 'store-'));
-  const words = ['convert', join(ROOT, 'assets', file), join(folder, `${name}.glb`), '--clip', clip, '--quiet'];
-  execFileSync(PROGRAM, words, { stdio: ['ignore', 'ignore', 'inherit'] });
+  const character = (of) => ['convert', join(ROOT, 'assets', file), join(of, `${name}.glb`), '--clip', clip, '--quiet'];
+  if (Object.keys(carried).length === 0) {
+    execFileSync(PROGRAM, character(folder), QUIET);
+  } else {
+    const beside = await mkdtemp(join(tmpdir(), 'carried-'));
+    execFileSync(PROGRAM, character(beside), QUIET);
+    const files = await Promise.all(Object.entries(carried).map(async ([of, bytes]) => {
+      await writeFile(join(beside, of), bytes);
+      return ['--with', join(beside, of)];
+    }));
+    execFileSync(PROGRAM, ['package', join(beside, `${name}.glb`), join(folder, name), '--quiet', ...files.flat()], QUIET);
+    await rm(beside, { recursive: true });
+  }
   let running = await start(folder, '127.0.0.1:0', more);
   const { url } = running;
   const stop = () =>

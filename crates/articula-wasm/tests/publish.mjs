@@ -66,3 +66,47 @@ test("a device is benchmarked by content of known size", () => {
   assert.throws(() => Publisher.benchmark(bytes, "knight.glb", '{"seconds": 0}'), refused);
   assert.throws(() => Publisher.benchmark(bytes, "knight.glb", '{"application": "dog"}'), refused);
 });
+
+const copied = (files) =>
+  Object.fromEntries(
+    files.map((file) => {
+      const copy = [file.name, file.bytes];
+      file.free();
+      return copy;
+    }),
+  );
+
+test("a head becomes a portrait", () => {
+  const files = copied(Publisher.portrait(bytes, "knight.glb", '{"triangles": 100}'));
+  const text = (name) => new TextDecoder().decode(files[name]);
+  const report = JSON.parse(text("report.json"));
+  const document = JSON.parse(text("portrait.json"));
+  assert.deepEqual(Object.keys(files).sort(), ["player.js", "portrait.html", "portrait.json", "report.json", "view0.webp", "view1.webp", "view2.webp"]);
+  assert.equal(report.bytes.raw, files["portrait.html"].length);
+  assert.ok(report.triangles <= 100 && report.views === document.views.length && report.error.length === 5, JSON.stringify(report));
+  assert.match(text("player.js"), /class ArticulaPortrait/);
+  assert.throws(() => Publisher.portrait(bytes, "knight.glb", '{"clip": "none"}'), { name: "ArticulaError", code: "argument" });
+});
+
+test("a clip is encoded in layers or in steps, and described", () => {
+  const layered = copied(Publisher.encode(bytes, "knight.glb", '{"toleranceMm": 1, "tiers": 2}'));
+  const [stream, description, table] = Object.keys(layered);
+  assert.ok(stream.endsWith(".abp") && description === stream.replace(".abp", ".gbsd.xml") && table === "aqos.xml", `${Object.keys(layered)}`);
+  const fine = copied(Publisher.encode(bytes, "knight.glb", '{"quantizer": 1}'));
+  const rough = copied(Publisher.encode(bytes, "knight.glb", '{"quantizer": 31, "power": 2, "interpolated": 3}'));
+  assert.deepEqual(Object.keys(fine), [stream, description]);
+  assert.ok(rough[stream].length < fine[stream].length);
+  const refused = { name: "ArticulaError", code: "argument" };
+  for (const wrong of ['{"quantizer": 0}', '{"quantizer": 32}', '{"tiers": 9}', '{"toleranceMm": -1}', '{"groupBy": "colour"}', '{"clip": "none"}']) {
+    assert.throws(() => Publisher.encode(bytes, "knight.glb", wrong), refused, wrong);
+  }
+  const fap = readFileSync(new URL("../../../assets/fap/speech_synthetic.fap", import.meta.url));
+  const spoken = copied(Publisher.encodeFace(fap, "speech.fap", '{"quantizer": 4}'));
+  assert.deepEqual(Object.keys(spoken), ["speech.afp", "speech.gbsd.xml"]);
+  assert.throws(() => Publisher.encodeFace(fap, "speech.txt"), refused);
+});
+
+test("what was shown becomes a clip", () => {
+  const wrong = () => Publisher.addRecording(bytes, "knight.glb", "shown", new Float32Array([0, 0.5]), new Float32Array(3), new Float32Array());
+  assert.throws(wrong, { name: "ArticulaError", code: "argument", message: /joints: 3 numbers/ });
+});

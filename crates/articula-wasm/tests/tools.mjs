@@ -33,6 +33,15 @@ test("a character becomes a motion, and moves another", () => {
   asset.free();
 });
 
+test("a motion is that of the joints that are chosen alone", () => {
+  const [all, some] = [undefined, '{"loa": "loa(Low)"}'].map((options) => Tools.convert(bytes, "knight.glb", "abp", options));
+  assert.ok(some.length < all.length, `${some.length} of ${all.length} bytes`);
+  const refused = { name: "ArticulaError", code: "argument" };
+  assert.throws(() => Tools.convert(bytes, "knight.glb", "abp", '{"loa": "loa(Low) +"}'), refused);
+  assert.throws(() => Tools.convert(bytes, "knight.glb", "abp", '{"loa": "joint(none)"}'), refused);
+  assert.throws(() => Tools.convert(bytes, "knight.glb", "abp", '{"passive": "asleep"}'), refused);
+});
+
 test("a file is described", () => {
   const found = JSON.parse(Tools.inspect(bytes, "knight.glb"));
   assert.equal(found.clips.length, 1);

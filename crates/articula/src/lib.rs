@@ -104,6 +104,7 @@ pub mod optimize;
 #[cfg(feature = "prepare")]
 mod prepare;
 mod prepared;
+mod recording;
 mod resampling;
 #[cfg(feature = "speech")]
 pub mod speech;
@@ -136,6 +137,7 @@ pub use prepare::{
     CheckedPart, ClipTables, PartBytes, PartState, PrepareOptions, PreparedAsset, PreparedCheck,
     PreparedPart, check_prepared, prepare,
 };
+pub use recording::Recording;
 pub use resampling::{ClipResampling, clip_resampling};
 #[cfg(feature = "flat")]
 pub use texture_atlas::TextureAtlas;

@@ -2,6 +2,10 @@
 export interface StudioState {
   page: 'stage' | 'crowd' | 'flat' | 'lighter' | 'stream' | 'devices';
   clip: string;
+  /** Whether choosing a clip makes its joints the active ones. */
+  own: boolean;
+  /** Whether motions that are taken home are of the active joints alone. */
+  alone: boolean;
   /** Time of the clip in seconds, where it is paused. */
   at: number;
   playing: boolean;
@@ -11,6 +15,10 @@ export interface StudioState {
   body: 'solid' | 'clear' | 'none';
   skeleton: boolean;
   radius: number;
+  /** Colours of joints by their states, as #rrggbb. */
+  activeColor: string;
+  passiveColor: string;
+  changingColor: string;
   /** Degrees by which the character is turned, and metres by which it stands aside. */
   turn: number;
   across: number;
@@ -41,7 +49,7 @@ export interface StudioState {
   tolerance: number;
   budget: number;
   tiers: boolean;
-  form: 'svg' | 'player' | 'lottie';
+  form: 'svg' | 'player' | 'lottie' | 'portrait';
   triangles: number;
   yaw: number;
   /** Error in pixels that a lighter file may have. */
@@ -65,11 +73,24 @@ export interface StudioState {
   wanted: number;
   /** Megabytes that the decoded character may take; 0 for any. */
   memory: number;
+  /** How the encoder writes a stream: within an error, or in steps. */
+  coding: 'tolerance' | 'quantizer';
+  /** Greatest error of its finest layer in millimetres, and its layers. */
+  mm: number;
+  layers: number;
+  /** What joints have in common that are cut together. */
+  cut: 'region' | 'loa' | 'joint';
+  quantizer: number;
+  power: number;
+  /** Frames that are left out between two coded ones. */
+  skipped: number;
 }
 
-const USUAL: Readonly<StudioState> = {
+export const USUAL: Readonly<StudioState> = {
   page: 'stage',
   clip: 'walk',
+  own: false,
+  alone: false,
   at: 0,
   playing: true,
   loop: true,
@@ -78,6 +99,9 @@ const USUAL: Readonly<StudioState> = {
   body: 'clear',
   skeleton: true,
   radius: 1,
+  activeColor: '#1fae57',
+  passiveColor: '#d6393d',
+  changingColor: '#f2a60d',
   turn: 0,
   across: 0,
   nearer: 0,
@@ -121,6 +145,13 @@ const USUAL: Readonly<StudioState> = {
   beside: 0,
   wanted: 0.5,
   memory: 0,
+  coding: 'tolerance',
+  mm: 0.1,
+  layers: 5,
+  cut: 'region',
+  quantizer: 1,
+  power: 0,
+  skipped: 0,
 };
 
 /** Words that the fields of a few known words may have. */
@@ -134,10 +165,15 @@ const WORDS: Partial<Record<keyof StudioState, readonly string[]>> = {
   ease: ['smooth', 'linear'],
   passive: ['hold', 'rest'],
   detail: ['tolerance', 'budget', 'full'],
-  form: ['svg', 'player', 'lottie'],
+  form: ['svg', 'player', 'lottie', 'portrait'],
   compress: ['ext', 'khr', 'quantize', 'none'],
   by: ['http', 'session'],
+  coding: ['tolerance', 'quantizer'],
+  cut: ['region', 'loa', 'joint'],
 };
+
+/** What the colours look like. */
+const COLOR = /^#[0-9a-f]{6}$/i;
 
 /** Ranges of the numbers; others are at least 0. */
 const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
@@ -160,6 +196,11 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   beside: [0, 100_000],
   wanted: [0, 16],
   memory: [0, 4096],
+  mm: [0.01, 10],
+  layers: [1, 8],
+  quantizer: [1, 31],
+  power: [0, 7],
+  skipped: [0, 31],
 };
 
 /** Reads a fragment such as `#stage?clip=walk&complexity=Low`; what it does not know is left out. */
@@ -182,7 +223,7 @@ export function readState(fragment: string): StudioState {
       state[key] = Number.isFinite(value) ? Math.min(Math.max(value, least), most) : usual;
     } else if (typeof usual === 'boolean') {
       state[key] = text === '1';
-    } else if (words === undefined || words.includes(text)) {
+    } else if (key.endsWith('Color') ? COLOR.test(text) : words === undefined || words.includes(text)) {
       state[key] = text;
     }
   }

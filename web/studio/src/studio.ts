@@ -1,4 +1,4 @@
-import { Articula } from '@articula/core';
+import { Articula, type RecordedFrames } from '@articula/core';
 import { ArticulaAsset } from '@articula/three';
 
 import { baseOf, isItem, kindOf, refused } from './files.js';
@@ -6,7 +6,7 @@ import { KeptTools } from './kept-tools.js';
 import { readState, type StudioState, writeState } from './state.js';
 import { hasCharacters, put } from './stream/server.js';
 import type { Notices, TaskLine } from './ui/status.js';
-import { type CameraKey, readCameraPath } from './view/camera-path.js';
+import { type CameraKey, readCameraPath, type RecordedCamera } from './view/camera-path.js';
 
 /** The character of the page: its file as bytes, and opened. */
 export interface Character {
@@ -38,6 +38,8 @@ export class Studio extends EventTarget {
   cameraPath: readonly CameraKey[] = [];
   /** Recordings that clips speak, as WAV files, by the names of the clips. */
   readonly voices = new Map<string, Uint8Array>();
+  /** Cameras that clips were recorded by, by the names of the clips. */
+  readonly cameras = new Map<string, RecordedCamera>();
   #link = 0;
 
   private constructor(articula: Articula, character: Character, task: TaskLine, notices: Notices, tools: KeptTools) {
@@ -110,6 +112,19 @@ export class Studio extends EventTarget {
     return this.character;
   }
 
+  /** Adds what was shown as a clip, which is seen as it was by the camera with which it began. */
+  async addRecording(recording: RecordedFrames, camera: RecordedCamera): Promise<void> {
+    const { character } = this;
+    const { name } = recording;
+    const made = await this.task.run(`Adding ${name}`, (watch) => this.articula.tools.addRecording(character.bytes, character.name, recording, watch));
+    this.cameras.set(name, camera);
+    Object.assign(this.state, { clip: name, camera: camera.pose, at: 0 });
+    this.source = { bytes: made, name: character.name };
+    this.#show(await opened(this.articula, made, character.name));
+    this.notices.say(`${name} is a clip of ${character.name}: Flat makes a picture of it.`);
+    await this.#prepare(made, character.name);
+  }
+
   async #openCharacter(bytes: Uint8Array, name: string): Promise<void> {
     // What is still made of the file before must not come after this one.
     this.task.cancel();
@@ -117,6 +132,7 @@ export class Studio extends EventTarget {
     this.state.camera = '';
     const isPlayed = kindOf(name) === 'played';
     this.voices.clear();
+    this.cameras.clear();
     if (isPlayed) {
       // It plays at once, and with its tables when they are there.
       this.#show(await opened(this.articula, bytes, name));

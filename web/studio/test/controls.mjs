@@ -92,6 +92,16 @@ export const CONTROLS = [
       const abp = await take('Motion (ABP)');
       const native = programs.converted(await readFile(HUMAN), 'abp', '--clip', 'walk');
       faults.push(...unless(abp.name === 'human-walk.abp' && abp.bytes.equals(native), `${abp.name}: ${abp.bytes.length} bytes, ${native.length} of the program, or others`));
+      // The motion of the joints that a level leaves active, as the program writes it.
+      await page.getByLabel('Motions of the active joints alone', { exact: true }).check();
+      await page.getByLabel('Expression, in place of the selectors').fill('loa(Low)');
+      for (const [label, to] of [['Motion (ABP)', 'abp'], ['Motion (GLB)', 'glb']]) {
+        const own = await take(label);
+        const held = programs.converted(await readFile(HUMAN), to, '--clip', 'walk', '--loa', 'loa(Low)', '--passive', 'rest');
+        const whole = programs.converted(await readFile(HUMAN), to, '--clip', 'walk');
+        faults.push(...unless(own.name === `human-walk-active.${to}` && own.bytes.equals(held) && held.length < whole.length, `${own.name}: ${own.bytes.length} bytes, ${held.length} of the program, ${whole.length} of all joints`));
+      }
+      await page.locator('.said', { hasText: /^\d+ of 89 joints move: .* in place of / }).waitFor();
       await context.close();
       return [...faults, ...errors];
     },

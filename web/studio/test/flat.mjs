@@ -1,7 +1,7 @@
 // The page Flat: what was moved by hand becomes a picture; one behind it is shown, and goes into the SVG that is taken home.
 import { readFile } from 'node:fs/promises';
 
-import { axe, openFile, openStudio, slide, step } from './page.mjs';
+import { axe, draw, openFile, openStudio, slide, step } from './page.mjs';
 
 const unless = (right, fault) => (right ? [] : [fault]);
 
@@ -31,7 +31,68 @@ const shown = (page, svg) => page.evaluate(async (text) => {
   };
 }, svg);
 
+/** Whether a canvas shows something, and where: the share of its width at which the middle of what it shows is. */
+const painted = (page, selector) => page.locator(selector).evaluate((canvas) => {
+  const { width, height } = canvas;
+  const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+  let [count, sum] = [0, 0];
+  for (let i = 0; i < width * height; i += 1) {
+    if (data[4 * i + 3] > 0) {
+      count += 1;
+      sum += i % width;
+    }
+  }
+  return { share: count / (width * height), middle: sum / Math.max(count, 1) / width };
+});
+
 export const FLAT = [
+  {
+    name: 'a head becomes a portrait that plays, turns, and goes home as a page with a background',
+    needs: 'native',
+    async run({ browser, server, programs }) {
+      const { context, page, errors } = await openStudio(browser, server.address, { hash: '#flat?form=portrait', width: 1280, height: 800 });
+      // A head without expressions is a portrait soon.
+      const bytes = await readFile(new URL('../dist/mannequin.glb', import.meta.url));
+      await openFile(page, 'mannequin.glb', bytes);
+      await page.evaluate(() => {
+        const { studio } = globalThis.articulaStudio;
+        studio.task.cancel();
+        studio.set({ triangles: 200, clip: 'wave' });
+      });
+      await page.getByRole('button', { name: 'Make the picture' }).click();
+      await page.locator('.flat-picture canvas').waitFor({ timeout: 90_000 });
+      const plays = await page.waitForFunction(() => globalThis.articulaStudio.current.portrait?.face.frames > 1).then(() => true, () => false);
+      const told = await page.locator('.readout').textContent();
+      await slide(page, 'Head of the portrait', 40);
+      const turned = await painted(page, '.flat-picture canvas');
+      await slide(page, 'Head of the portrait', -40);
+      const other = await painted(page, '.flat-picture canvas');
+      await draw(page);
+      const faults = await axe(page);
+      await page.screenshot({ path: new URL('./out/flat-portrait.png', import.meta.url).pathname });
+      await page.getByLabel('Background picture', { exact: true }).setInputFiles({ name: 'red.png', mimeType: 'image/png', buffer: Buffer.from(await red(page), 'base64') });
+      await page.getByText('red.png is behind it').waitFor();
+      const [saved] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download' }).click()]);
+      const html = await readFile(await saved.path(), 'utf8');
+      // The page stands alone: it is opened with nothing around it.
+      const alone = await context.newPage();
+      alone.on('pageerror', (error) => errors.push(`portrait: ${error.message}`));
+      await alone.setContent(html);
+      await alone.evaluate(() => globalThis.articulaReady);
+      await alone.evaluate(() => globalThis.articulaSeek(0.5));
+      const corner = await alone.locator('#portrait').evaluate((canvas) => [...canvas.getContext('2d').getImageData(2, 2, 1, 1).data]);
+      const native = programs.flattened(bytes, 'portrait.html', '--triangles', '200', '--clip', 'wave');
+      const errorsOf = native.error.map(({ yaw_deg: yaw, image_rmse_levels: levels }) => `${yaw === 0 ? 'Error from the front' : `Error at ${yaw}°`}${levels.toFixed(1)} of 255`);
+      await context.close();
+      return [
+        ...faults,
+        ...errors,
+        ...unless(plays && turned.share > 0.1 && Math.abs(turned.middle - other.middle) > 0.005, `plays: ${plays}, ${JSON.stringify([turned, other])}`),
+        ...unless(/Pictures of the head3/.test(told) && errorsOf.length === 5 && told.includes(errorsOf.join('')), `${told} in place of ${errorsOf}`),
+        ...unless(saved.suggestedFilename() === 'mannequin.portrait.html' && corner.join() === '255,0,0,255', `${saved.suggestedFilename()}: corner ${corner}`),
+      ];
+    },
+  },
   {
     name: 'expressions that are moved by hand become a clip, then a picture with a background',
     async run({ browser, server }) {

@@ -30,4 +30,4 @@ const looks = (hash, name) => ({
   },
 });
 
-export const LOOKS = [looks('#stage', 'stage'), looks('#crowd?count=25', 'crowd'), looks('#flat', 'flat'), looks('#lighter', 'lighter'), looks('#devices', 'devices')];
+export const LOOKS = [looks('#stage', 'stage'), looks('#crowd?count=25', 'crowd'), looks('#flat', 'flat'), looks('#lighter', 'lighter'), looks('#stream', 'stream'), looks('#devices', 'devices')];

@@ -50,6 +50,25 @@ export function native() {
       run('convert', from, made, '--force', '--quiet', ...words);
       return readFileSync(made);
     },
+    /** The description of a stream under a name. */
+    described(bytes, name) {
+      const file = join(folder, name);
+      writeFileSync(file, bytes);
+      return run('gbsd', file).trimEnd();
+    },
+    /** Facial animation parameters as a stream. */
+    encodedFace(bytes, settings) {
+      const [from, made] = ['speech.fap', 'speech.afp'].map((name) => join(folder, name));
+      writeFileSync(from, bytes);
+      run('convert', from, made, '--force', '--quiet', '--stream', settings);
+      return readFileSync(made);
+    },
+    /** The report about a character in 2D. */
+    flattened(bytes, to, ...words) {
+      const [from, made] = [join(folder, 'given.glb'), join(folder, to)];
+      writeFileSync(from, bytes);
+      return JSON.parse(run('flatten', from, made, '--force', '--json', ...words));
+    },
     /** A file in fewer bytes, and the report about it. */
     optimized(bytes, ...words) {
       const [from, to] = ['heavy.glb', 'lighter.glb'].map((name) => join(folder, name));

@@ -159,6 +159,9 @@ export const STEERING = [
       const faults = [...unless((await secs()) === 0.5, `a link to 0.5 s shows ${await secs()} s`)];
       await step(page, 5, 0.1);
       faults.push(...unless((await secs()) === 0.5, 'it moves while it is paused'));
+      // What stands still shows what its frame took.
+      const { matrices, sampled } = (await column(page)).figures;
+      faults.push(...unless(matrices > 0 && sampled > 0, `a paused frame tells ${matrices} matrices of ${sampled} transforms`));
       await page.getByLabel('Play', { exact: true }).focus();
       await page.keyboard.press('Enter');
       await step(page, 30, 1 / 30);
@@ -189,6 +192,16 @@ export const STEERING = [
       });
       const moved = inState(await column(page), ACTIVE);
       const faults = unless(same(moved, own) && own.length < 89, `${moved.length} joints move, the clip moves ${own.length}`);
+      // From now on each clip that is chosen does so.
+      await page.getByLabel('Choosing one does so', { exact: true }).check();
+      await page.getByRole('radio', { name: /idle/ }).click();
+      await step(page, 2, 1 / 30);
+      const idle = await page.evaluate(() => {
+        const { asset } = globalThis.articulaStudio.studio.character;
+        return [...asset.core.clipJoints(asset.clips.indexOf('idle'))];
+      });
+      const still = inState(await column(page), ACTIVE);
+      faults.push(...unless(same(still, idle) && !same(idle, own), `${still.length} joints move, idle moves ${idle.length}`));
       const looks = () => page.evaluate(() => {
         const [{ root, figure }] = globalThis.articulaStudio.current.columns;
         let joint;
@@ -201,6 +214,19 @@ export const STEERING = [
       await slide(page, 'Size of joints', 2);
       await step(page, 1, 0);
       faults.push(...unless(Math.abs((await looks()).radius / before.radius - 2) < 0.01 && before.opacity < 1, 'joints keep their size'));
+      // Colours of states are chosen, and held by the link.
+      await page.locator('.fold > summary', { hasText: 'Colours' }).click();
+      await page.getByLabel('Active joints', { exact: true }).fill('#0000ff');
+      await step(page, 1, 0);
+      const blue = (await column(page)).colors;
+      const link = await page.evaluate(() => globalThis.articulaStudio.studio.permalink());
+      const [joint] = inState(await column(page), ACTIVE);
+      const legend = await page.locator('.state-key .active').evaluate((key) => getComputedStyle(key, '::before').backgroundColor);
+      faults.push(...unless(same(blue.slice(3 * joint, 3 * joint + 3), [0, 0, 1]) && legend === 'rgb(0, 0, 255)' && /activeColor=%230000ff/.test(link), `joint ${joint} is ${blue.slice(3 * joint, 3 * joint + 3)}, its legend ${legend}, the link ${link}`));
+      await page.getByRole('button', { name: 'Usual colours' }).click();
+      await step(page, 1, 0);
+      const usual = await column(page);
+      faults.push(...paintFaults(usual, 'usual colours'));
       await page.getByLabel('Skeleton', { exact: true }).uncheck();
       await page.getByLabel('Body', { exact: true }).selectOption('none');
       const after = await looks();

@@ -130,6 +130,107 @@ const TESTS = [
   },
 ];
 
+const CAPTIONS = `WEBVTT
+
+${CLIP}
+00:00.000 --> 00:00.400
+Here I <b>come</b>.
+
+${CLIP}
+00:00.000 --> 00:00.300
+one.png
+
+${CLIP}
+00:00.300 --> 00:30.000
+two.png
+
+another clip
+00:00.000 --> 00:30.000
+Never said.
+`;
+
+/** A WAV file of silence. */
+function silence(secs) {
+  const [rate, bytes] = [8000, Buffer.alloc(44 + secs * 16_000)];
+  bytes.write('RIFF', 0);
+  bytes.writeUInt32LE(bytes.length - 8, 4);
+  bytes.write('WAVEfmt ', 8);
+  [[16, 16, 4], [20, 1, 2], [22, 1, 2], [24, rate, 4], [28, 2 * rate, 4], [32, 2, 2], [34, 16, 2], [40, bytes.length - 44, 4]].forEach(([at, value, width]) => bytes.writeUIntLE(value, at, width));
+  bytes.write('data', 36);
+  return bytes;
+}
+
+/** A PNG of so many pixels in a row, made by a browser. */
+async function row(browser, width) {
+  const page = await browser.newPage();
+  const made = await page.evaluate((pixels) => {
+    const canvas = Object.assign(document.createElement('canvas'), { width: pixels, height: 1 });
+    canvas.getContext('2d').fillRect(0, 0, pixels, 1);
+    return canvas.toDataURL('image/png').split(',')[1];
+  }, width);
+  await page.close();
+  return Buffer.from(made, 'base64');
+}
+
+TESTS.push({
+  name: 'sound, captions and pictures that an item carries go by the clock of its clip',
+  async run({ browser }) {
+    const carried = { 'talk.vtt': CAPTIONS, 'talk.wav': silence(2), 'one.png': await row(browser, 1), 'two.png': await row(browser, 2) };
+    const guide = await openStore(KNIGHT, CLIP, 'guide', ['--studio', DIST], carried);
+    try {
+      const { context, page, errors } = await openStudio(browser, guide.url.replace(/\/$/, ''), { hash: '#stream', path: PATH, width: 1280, height: 800 });
+      await page.evaluate(() => globalThis.articulaStudio.viewport.run(true));
+      await reached(page, 'complete');
+      await page.waitForFunction(() => globalThis.articulaStudio.current.stream.carried.every(({ file }) => globalThis.articulaStudio.current.stream.carriedFile(file) !== undefined));
+      // From here on frames are made one by one.
+      const at = (secs) => page.evaluate(async ([to, clip]) => {
+        const { current, viewport } = globalThis.articulaStudio;
+        viewport.run(false);
+        current.stream.play(clip, to);
+        viewport.advance(0);
+        viewport.advance(0);
+        const slide = document.querySelector('.slide');
+        await slide.decode().catch(() => undefined);
+        const caption = document.querySelector('.caption');
+        return {
+          secs: current.stream.clipSecs,
+          heard: current.carried.sound.audio.currentTime,
+          slide: slide.hidden ? 0 : slide.naturalWidth,
+          alt: slide.alt,
+          caption: caption.hidden ? '' : caption.textContent,
+        };
+      }, [secs, CLIP]);
+      const [first, then] = [await at(0.1), await at(0.5)];
+      const sound = await page.getByRole('button', { name: 'Sound', exact: true }).isVisible();
+      const faults = await axe(page);
+      await at(0.1);
+      await page.screenshot({ path: fileURLToPath(new URL('stream-carried.png', OUT)) });
+      // While the clip goes on, it is heard.
+      await page.mouse.click(300, 300);
+      const plays = await page.evaluate(async () => {
+        const { current, viewport } = globalThis.articulaStudio;
+        viewport.advance(0.01);
+        viewport.advance(0.01);
+        await new Promise((resolve) => setTimeout(resolve, 0));
+        return !current.carried.sound.audio.paused;
+      });
+      await page.getByRole('link', { name: 'Stage' }).click();
+      const isSilent = await page.evaluate(() => [...document.querySelectorAll('.slide, .caption')].length === 0);
+      await context.close();
+      return [
+        ...faults,
+        ...errors,
+        ...unless(first.slide === 1 && first.alt === 'one' && first.caption === 'Here I come.', JSON.stringify(first)),
+        ...unless(then.slide === 2 && then.alt === 'two' && then.caption === '', JSON.stringify(then)),
+        ...unless([first, then].every(({ secs, heard }) => Math.abs(heard - secs) < 0.05) && then.secs - first.secs > 0.3, `heard at ${first.heard} and ${then.heard} s of ${first.secs} and ${then.secs}`),
+        ...unless(sound && plays && isSilent, `sound: ${sound}, plays: ${plays}, silent elsewhere: ${isSilent}`),
+      ];
+    } finally {
+      await guide.close();
+    }
+  },
+});
+
 const ALONE = {
   name: 'the page Stream says that there is no server',
   async run({ browser, server }) {

@@ -77,7 +77,7 @@ fn has_face(character: &CharacterFile) -> bool {
     !character.expressions.is_empty() || primitives.any(|p| !p.morphs.is_empty())
 }
 
-fn write_as(character: &CharacterFile) -> articula::Result<Vec<u8>> {
+pub(super) fn write_as(character: &CharacterFile) -> articula::Result<Vec<u8>> {
     let format = match character.format() {
         Format::Vrm => Format::Vrm,
         _ => Format::Glb,

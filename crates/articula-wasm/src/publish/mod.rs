@@ -1,13 +1,16 @@
-//! What is made and measured of an opened character: moving pictures, digital items, lighter files, motions of its
+//! What is made and measured of an opened character: moving pictures, portraits, streams with their descriptions, digital items, lighter files, motions of its
 //! face, evaluation of motion level of detail, what the device can play. For a worker, as `tools`.
 
 mod benchmark;
+mod encode;
 mod evaluate;
 mod face;
 mod measured;
 mod optimize;
 mod options;
 mod packaged;
+mod portrait;
+mod recording;
 
 use crate::long_options::read;
 use crate::opening::open_alone;
@@ -31,7 +34,8 @@ pub struct Publisher {}
 impl Publisher {
     /// Makes a moving picture of a clip: an animated SVG ("svg"), a JavaScript module ("player") or Lottie JSON
     /// ("lottie"). `options` is JSON: `{form?: string, clip?: string, yawDeg?: number, triangles?: number, maxBytes?:
-    /// number}`; without a clip the first that walks, else runs, else idles. A clip that travels is shown on the spot.
+    /// number, camera?: {eye: [x, y, z], target: [x, y, z], fovDeg: number}}`; without a clip the first that walks, else
+    /// runs, else idles. A clip that travels is shown on the spot, unless a camera is told where to stand, in metres.
     pub fn flatten(
         bytes: &[u8],
         name: &str,
@@ -67,7 +71,9 @@ fn flattened(
     let options: options::Flatten = read(options)?;
     run(progress, name, |work| {
         let mut opened = open_alone(bytes, name)?;
-        opened.put_in_place();
+        if options.is_in_place() {
+            opened.put_in_place();
+        }
         let figure = Figure::new(opened)?;
         let framed = FramedCharacter::new(&figure, options.shot(&figure)?, work)?;
         let (clip, settings) = (PrepareClipOptions::default(), options.settings(name));

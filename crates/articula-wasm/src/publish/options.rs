@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::long_options::mesh_levels;
 use articula::Figure;
+use articula::core::Viewport;
 use articula::flat::flatten::{Profile, Quality, Settings};
 use articula::flat::vector::player::PlayerOutput;
 use articula::flatten::{
@@ -51,16 +52,39 @@ pub(super) struct Flatten {
     yaw_deg: f32,
     triangles: Option<usize>,
     max_bytes: Option<u64>,
+    camera: Option<Camera>,
+}
+
+/// A camera that stands where it is told to.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "camelCase")]
+struct Camera {
+    eye: [f32; 3],
+    target: [f32; 3],
+    fov_deg: f32,
 }
 
 impl Flatten {
+    /// Whether a clip that travels stays where it is: before a camera that stands where it is told to, it goes.
+    pub(super) fn is_in_place(&self) -> bool {
+        self.camera.is_none()
+    }
+
     /// The clip and its camera.
     pub(super) fn shot(&self, figure: &Figure) -> articula::Result<Shot> {
         let least = match self.form {
             Form::Player => LEAST_TRIANGLES_OF_PLAYER,
             Form::Svg | Form::Lottie => LEAST_TRIANGLES,
         };
+        let usual = Shot::default();
+        let fov_deg = self.camera.map(|camera| camera.fov_deg);
+        let fov = fov_deg.map_or(usual.viewport.fov_y_radians, f32::to_radians);
         Ok(Shot {
+            seen_from: self.camera.map(|c| (c.eye.into(), c.target.into())),
+            viewport: Viewport {
+                fov_y_radians: fov.clamp(0.01, 3.0),
+                ..usual.viewport
+            },
             clip: match self.clip.as_deref() {
                 Some(name) => figure.clip(Some(name))?,
                 None => shown_clip(figure),
@@ -70,7 +94,7 @@ impl Flatten {
                 Some(count) => TriangleCount::About(count),
                 None => TriangleCount::Judged { least },
             },
-            ..Shot::default()
+            ..usual
         })
     }
 

@@ -1,6 +1,7 @@
 //! Characters of a server, shown while they arrive.
 
 mod arrival;
+mod carried;
 mod messages;
 mod request;
 

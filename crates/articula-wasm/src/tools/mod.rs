@@ -37,7 +37,8 @@ impl Tools {
     }
 
     /// Converts a character to another format, named by its ending: "glb", "bvh", "x3d" and others. `options` is
-    /// JSON: `{clip?: string}`, the one clip to keep.
+    /// JSON: `{clip?: string, loa?: string, passive?: "hold" | "rest" | "key-pose"}`, the one clip to keep, an expression
+    /// of the joints that keep their motion, and the pose of the others.
     pub fn convert(
         bytes: &[u8],
         name: &str,
@@ -45,7 +46,7 @@ impl Tools {
         options: Option<String>,
         progress: Option<ProgressCallback>,
     ) -> Result<Vec<u8>, JsValue> {
-        let options = read::<options::Convert>(options.as_deref())?.options();
+        let options = read::<options::Convert>(options.as_deref())?.options()?;
         let format = Format::of_extension(to).ok_or_else(|| {
             Fault::argument(format!(
                 "there is no format \"{to}\"; give an ending such as \"glb\""

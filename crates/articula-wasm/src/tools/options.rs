@@ -1,8 +1,10 @@
 //! Options of preparation and conversion.
 
-use crate::error::Result;
+use crate::error::{Fault, Result};
 use crate::long_options::mesh_levels;
-use articula::convert::{AddClipsOptions, ConvertOptions};
+use articula::convert::{AddClipsOptions, ConvertOptions, JointReduction, MovingJoints};
+use articula::core::joint_state::PassivePolicy;
+use articula::core::loa::LoaExpression;
 use articula::{MeshLevelOptions, PrepareOptions};
 use serde::Deserialize;
 
@@ -28,13 +30,45 @@ impl Prepare {
 #[serde(default, deny_unknown_fields, rename_all = "camelCase")]
 pub(super) struct Convert {
     clip: Option<String>,
+    loa: Option<String>,
+    passive: Passive,
+}
+
+/// Pose of joints that do not move.
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Passive {
+    Hold,
+    Rest,
+    #[default]
+    KeyPose,
 }
 
 impl Convert {
-    pub(super) fn options(self) -> ConvertOptions {
-        ConvertOptions {
+    pub(super) fn options(self) -> Result<ConvertOptions> {
+        let reduction = self.loa.as_deref().map(|loa| {
+            let moving = loa.parse::<LoaExpression>();
+            let moving = moving.map_err(|e| Fault::argument(format!("options: loa: {e}")))?;
+            Ok(JointReduction {
+                moving: MovingJoints::LoaExpression(moving),
+                with_ancestors: false,
+                passive: self.passive.policy(),
+            })
+        });
+        Ok(ConvertOptions {
             clip: self.clip,
+            reduction: reduction.transpose()?,
             ..ConvertOptions::default()
+        })
+    }
+}
+
+impl Passive {
+    fn policy(self) -> PassivePolicy {
+        match self {
+            Self::Hold => PassivePolicy::HoldLast,
+            Self::Rest => PassivePolicy::Rest,
+            Self::KeyPose => PassivePolicy::KeyPose,
         }
     }
 }

@@ -8,12 +8,13 @@ use crate::facing::facing;
 use crate::figure::Figure;
 use crate::work::Executor;
 use articula_build::decimate;
-use articula_core::{ModelPose, Viewport, local_to_model};
+use articula_core::{Camera, ModelPose, Viewport, local_to_model};
 use articula_flat::flatten::{JudgedRegion, SourceFrames, SourceTime};
 use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
 use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
 use articula_flat::planar::{PlanarClip, PlanarError};
 use articula_flat::{Appearance, Projection};
+use glam::Vec3;
 
 /// Name of the first step in progress reports.
 const LOOKING: &str = "looking";
@@ -60,6 +61,8 @@ pub struct Shot {
     pub pitch_deg: f32,
     /// Angle by which the figure turns over the whole duration, in degrees.
     pub turn_deg: f32,
+    /// Eye of a camera and what it looks at, in metres in model space, in place of one that frames the figure.
+    pub seen_from: Option<(Vec3, Vec3)>,
     /// Size and field of view of the picture.
     pub viewport: Viewport,
     /// Number of triangles.
@@ -84,6 +87,7 @@ impl Default for Shot {
             yaw_deg: 0.0,
             pitch_deg: 0.0,
             turn_deg: 0.0,
+            seen_from: None,
             viewport: Viewport {
                 width_px: 400.0,
                 height_px: 400.0,
@@ -146,11 +150,7 @@ impl<'a> FramedCharacter<'a> {
         let (frame_times_secs, fps) = moments(figure, &shot)?;
         let length = frame_times_secs.last().copied().unwrap_or_default();
         let options = BakeOptions {
-            camera: articula_core::Camera::looking_at(
-                glam::Vec3::Z,
-                glam::Vec3::ZERO,
-                shot.viewport,
-            ),
+            camera: Camera::looking_at(Vec3::Z, Vec3::ZERO, shot.viewport),
             projection: Projection::Perspective,
             lighting: Lighting::default(),
             fps,
@@ -406,8 +406,13 @@ impl<'a> FramedCharacter<'a> {
         };
         let azimuth = facing(rig, &model) + self.shot.yaw_deg.to_radians();
         let angles = (azimuth, self.shot.pitch_deg.to_radians());
-        let camera = subject.camera(&looks, &turn, angles, self.shot.viewport);
-        self.options.camera = camera.ok_or_else(unseen)?;
+        self.options.camera = match self.shot.seen_from {
+            Some((eye, target)) => Camera::looking_at(eye, target, self.shot.viewport),
+            None => {
+                let camera = subject.camera(&looks, &turn, angles, self.shot.viewport);
+                camera.ok_or_else(unseen)?
+            }
+        };
         self.options.turn = turn;
         Ok(())
     }

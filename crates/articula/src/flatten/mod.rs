@@ -1,6 +1,6 @@
 //! From 3D to 2D: an animated character as vector graphics, or its face as a portrait.
 //!
-//! [`flatten()`] is the complete conversion; [`FramedCharacter`] and [`FramedHead`] give access to
+//! [`flatten()`] is the complete conversion, [`portrait()`] that of a head; [`FramedCharacter`] and [`FramedHead`] give access to
 //! the intermediate steps.
 
 mod alternatives;
@@ -12,6 +12,7 @@ mod head;
 mod inputs;
 mod judged;
 mod live;
+mod portrait;
 mod report;
 mod shown_clip;
 mod surfaces;
@@ -22,6 +23,7 @@ pub use framed::{
 };
 pub use head::FramedHead;
 pub use judged::{DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles};
+pub use portrait::{PortraitReport, PortraitShot, YawError, portrait, portrait_errors};
 pub use report::{
     BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlattenReport,
     LocalDifference, RepresentationReport, TriangleChoice, TriedCount, TriedSettings, WorstByPart,

@@ -1,4 +1,5 @@
 import type { ArticulaFault } from './error.js';
+import type { RecordedFrames } from './tools.js';
 
 /** How far a task is. */
 export interface Progress {
@@ -38,15 +39,19 @@ export type Task =
   | FileTask<'benchmark'>
   | FileTask<'inspect'>
   | FileTask<'package'>
+  | FileTask<'portrait'>
+  | FileTask<'encode'>
+  | FileTask<'encodeFace'>
   | (FileTask<'convert'> & { readonly to: string })
   | (FileTask<'addFaceClip'> & { readonly motion: Uint8Array; readonly motionName: string })
   | (FileTask<'addVoice'> & { readonly voice: Uint8Array; readonly voiceName: string })
+  | (FileTask<'addRecording'> & { readonly recording: RecordedFrames })
   | (FileTask<'addClips'> & { readonly motion: Uint8Array; readonly motionName: string });
 
 /** What a task returns. */
 export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'evaluate' | 'benchmark'
   ? string
-  : Call extends 'package'
+  : Call extends 'package' | 'portrait' | 'encode' | 'encodeFace'
     ? PackagedBytes[]
     : Call extends 'flattenMeasured' | 'optimize'
       ? MeasuredBytes

@@ -1,5 +1,5 @@
 /** Runs one task of publishing in a worker, then ends. */
-import init, { type MeasuredFile, Publisher } from '../wasm/publish.js';
+import init, { type MeasuredFile, type PackagedFile, Publisher } from '../wasm/publish.js';
 import type { MeasuredBytes, PackagedBytes } from './messages.js';
 import { serve } from './scope.js';
 
@@ -7,6 +7,13 @@ import { serve } from './scope.js';
 function copied(made: MeasuredFile): MeasuredBytes {
   const copy = { bytes: made.bytes, report: made.report };
   made.free();
+  return copy;
+}
+
+/** One of several files, out of the module. */
+function copiedFile(file: PackagedFile): PackagedBytes {
+  const copy = { name: file.name, bytes: file.bytes };
+  file.free();
   return copy;
 }
 
@@ -22,15 +29,21 @@ serve(
       case 'optimize':
         return copied(Publisher.optimize(bytes, name, options, report));
       case 'package':
-        return Publisher.package(bytes, name, options, report).map((file): PackagedBytes => {
-          const copy = { name: file.name, bytes: file.bytes };
-          file.free();
-          return copy;
-        });
+        return Publisher.package(bytes, name, options, report).map(copiedFile);
+      case 'portrait':
+        return Publisher.portrait(bytes, name, options, report).map(copiedFile);
+      case 'encode':
+        return Publisher.encode(bytes, name, options, report).map(copiedFile);
+      case 'encodeFace':
+        return Publisher.encodeFace(bytes, name, options, report).map(copiedFile);
       case 'addFaceClip':
         return Publisher.addFaceClip(bytes, name, task.motion, task.motionName, report);
       case 'addVoice':
         return Publisher.addVoice(bytes, name, task.voice, task.voiceName, report);
+      case 'addRecording': {
+        const { name: clip, times, joints, morphs } = task.recording;
+        return Publisher.addRecording(bytes, name, clip, times, joints, morphs, report);
+      }
       case 'benchmark':
         return Publisher.benchmark(bytes, name, options, report);
       case 'evaluate':

@@ -1,6 +1,15 @@
 /** Where a stream is. `base`: the least that is shown has come; `complete`: all that its context asks for. */
 export type StreamState = 'connecting' | 'base' | 'complete';
 
+/** A file that a character carries whole, such as sound. */
+export interface CarriedFile {
+  /** Its name in the item. */
+  readonly file: string;
+  readonly bytes: number;
+  /** Its media type. */
+  readonly mime: string;
+}
+
 /** What is shown of a character that arrives, in numbers. */
 export interface StreamReport {
   /** Level of quality of what plays, 1 to `levels`; 0 before anything is shown. */

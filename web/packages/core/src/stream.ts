@@ -4,12 +4,12 @@ import { ArticulaError, guarded } from './error.js';
 import { FigureArrays } from './figure.js';
 import { HttpLink } from './stream-http.js';
 import type { StreamLink } from './stream-link.js';
-import { readReport, type StreamReport, type StreamState } from './stream-report.js';
+import { type CarriedFile, readReport, type StreamReport, type StreamState } from './stream-report.js';
 import { SessionLink } from './stream-session.js';
 
 export { Arrival, Asset } from '../wasm/stream.js';
 export { ArticulaError } from './error.js';
-export type { StreamReport, StreamState } from './stream-report.js';
+export type { CarriedFile, StreamReport, StreamState } from './stream-report.js';
 
 /** What is known of network, device and viewer; all of it may be left out. */
 export interface StreamContext {
@@ -130,6 +130,26 @@ export class CharacterStream {
   /** Names of the clips, those too that have not come; empty before the server has told. */
   get clips(): readonly string[] {
     return this.#isEnded ? [] : this.#client.clips(0);
+  }
+
+  /** Name of the clip that plays; undefined before one does. */
+  get clip(): string | undefined {
+    return this.#isEnded ? undefined : this.#client.clip(0);
+  }
+
+  /** Time within it in seconds. */
+  get clipSecs(): number {
+    return this.#isEnded ? 0 : this.#client.clipSecs(0);
+  }
+
+  /** Files that it carries whole, those too that have not come; none before the server has told. */
+  get carried(): readonly CarriedFile[] {
+    return this.#isEnded ? [] : (JSON.parse(this.#client.carried(0)) as CarriedFile[]);
+  }
+
+  /** Bytes of a file that it carries; undefined until it has come. */
+  carriedFile(file: string): Uint8Array | undefined {
+    return this.#isEnded ? undefined : this.#client.carriedFile(0, file);
   }
 
   /** What is shown, in numbers; undefined once it has ended. */

@@ -18,6 +18,10 @@ export interface PrepareOptions extends TaskOptions {
 export interface ConvertOptions extends TaskOptions {
   /** The one clip to keep. */
   readonly clip?: string | undefined;
+  /** An expression of the joints that keep their motion, such as `loa(Low) + zone(hands)`; all keep it if left out. */
+  readonly loa?: string | undefined;
+  /** Pose of the other joints: that of the first frame, of rest, or of the frame nearest to the middle of the motion, `key-pose` if left out. */
+  readonly passive?: 'hold' | 'rest' | 'key-pose' | undefined;
 }
 
 /** Options of {@link Tools.addClips}. */
@@ -38,6 +42,57 @@ export interface FlattenOptions extends TaskOptions {
   readonly yawDeg?: number | undefined;
   readonly triangles?: number | undefined;
   readonly maxBytes?: number | undefined;
+  /** A camera that stands where it is told to, in metres in the space of the character; one that frames it if left out. */
+  readonly camera?: { readonly eye: Vector; readonly target: Vector; readonly fovDeg: number } | undefined;
+}
+
+type Vector = readonly [number, number, number];
+
+/** What a figure showed, frame by frame. */
+export interface RecordedFrames {
+  /** Name of the clip that it becomes. */
+  readonly name: string;
+  /** Seconds of the frames, from 0 on. */
+  readonly times: Float32Array;
+  /** For each frame the matrix of each joint in model space, three rows of four numbers. */
+  readonly joints: Float32Array;
+  /** For each frame the weights of all morph targets. */
+  readonly morphs: Float32Array;
+}
+
+/** Options of {@link Tools.portrait}. */
+export interface PortraitOptions extends TaskOptions {
+  /** The clip that it plays; the first if left out. */
+  readonly clip?: string | undefined;
+  readonly triangles?: number | undefined;
+}
+
+/** A head in 2D that turns and speaks. */
+export interface PortraitFiles {
+  /** A page of its own that shows it, HTML. */
+  readonly page: Uint8Array;
+  /** Its document, `portrait.json`, pictures and the script of its player. */
+  readonly files: readonly PackagedBytes[];
+  /** Sizes and errors of the page, as `articula flatten --json` tells them. */
+  readonly report: unknown;
+}
+
+/** Options of {@link Tools.encode} and {@link Tools.encodeFace}: those of a quantiser or of a tolerance. */
+export interface EncodeOptions extends TaskOptions {
+  /** The clip to encode; the first if left out. */
+  readonly clip?: string | undefined;
+  /** Quantiser of ABP-1 or AFP-1, 1 to 31; a tolerance counts if left out. */
+  readonly quantizer?: number | undefined;
+  /** Power of two by which the step of ABP-1 is further multiplied, 0 to 7. */
+  readonly power?: number | undefined;
+  /** Frames of ABP-1 between two coded ones that are left out, 0 to 31. */
+  readonly interpolated?: number | undefined;
+  /** Greatest error of ABP-2 in millimetres of skin, of AFP-2 of feature points; 0.1 if left out. */
+  readonly toleranceMm?: number | undefined;
+  /** Layers, of which leaving out the finest triples the error, 1 to 8. */
+  readonly tiers?: number | undefined;
+  /** What joints have in common that are cut together. */
+  readonly groupBy?: 'loa' | 'region' | 'joint' | undefined;
 }
 
 /** A file, with sizes, errors and settings as the command of the program tells them with `--json`. */
@@ -105,11 +160,15 @@ export interface ToolsSource {
   readonly publishWasm?: string | URL | undefined;
 }
 
+/** Names of the page of a portrait and of the report about it among its files. */
+const PORTRAIT_PAGE = 'portrait.html';
+const PORTRAIT_REPORT = 'report.json';
+
 /** Files that the publisher opens. Others are converted first. */
 const IS_PUBLISHED = /\.(glb|vrm)$/i;
 
 /** What the publisher does. */
-const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'evaluate', 'optimize', 'benchmark']);
+const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'addRecording', 'evaluate', 'optimize', 'benchmark', 'portrait', 'encode', 'encodeFace']);
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -164,6 +223,12 @@ export class Tools {
     return this.#run({ call: 'addVoice', ...file, voice, voiceName, ...split(options) });
   }
 
+  /** Returns the character with what a figure of it showed as a clip, in place of one of the same name. */
+  async addRecording(bytes: Uint8Array, name: string, recording: RecordedFrames, options: TaskOptions = {}): Promise<Uint8Array> {
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'addRecording', ...file, recording, ...split(options) });
+  }
+
   /** Returns a clip as a moving picture of 2D shapes. */
   async flatten(bytes: Uint8Array, name: string, options: FlattenOptions): Promise<Uint8Array> {
     const file = await this.#published(bytes, name, options);
@@ -175,6 +240,29 @@ export class Tools {
     const file = await this.#published(bytes, name, options);
     const made = await this.#run({ call: 'flattenMeasured', ...file, ...split(options) });
     return { bytes: made.bytes, report: JSON.parse(made.report) };
+  }
+
+  /** Returns the head of a character as a portrait, a page and what is in it, and measures it. */
+  async portrait(bytes: Uint8Array, name: string, options: PortraitOptions = {}): Promise<PortraitFiles> {
+    const file = await this.#published(bytes, name, options);
+    const made = await this.#run({ call: 'portrait', ...file, ...split(options) });
+    const find = (wanted: string): Uint8Array => made.find((part) => part.name === wanted)?.bytes ?? new Uint8Array();
+    return {
+      page: find(PORTRAIT_PAGE),
+      files: made.filter((part) => part.name !== PORTRAIT_PAGE && part.name !== PORTRAIT_REPORT),
+      report: JSON.parse(new TextDecoder().decode(find(PORTRAIT_REPORT))),
+    };
+  }
+
+  /** Returns a clip as a stream (.abp), its description (.gbsd.xml) and, of layers within a tolerance, aqos.xml. */
+  async encode(bytes: Uint8Array, name: string, options: EncodeOptions = {}): Promise<PackagedBytes[]> {
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'encode', ...file, ...split(options) });
+  }
+
+  /** Returns facial animation parameters (.fap, .afp, .fba) as a stream (.afp) and its description (.gbsd.xml). */
+  encodeFace(bytes: Uint8Array, name: string, options: EncodeOptions = {}): Promise<PackagedBytes[]> {
+    return this.#run({ call: 'encodeFace', bytes, name, ...split(options) });
   }
 
   /** Returns the character as a GLB in fewer bytes, and what that costs and saves, as `articula optimize --json` tells it. */

@@ -1,6 +1,7 @@
 import {
   type ArrivedParts,
   ArticulaError,
+  type CarriedFile,
   CharacterStream,
   type StreamContext,
   type StreamOptions,
@@ -97,6 +98,26 @@ export class ArticulaStream extends Object3D<StreamEventMap> {
   /** Names of the clips, those too that have not come; empty before the server has told. */
   get clips(): readonly string[] {
     return this.#stream?.clips ?? [];
+  }
+
+  /** Name of the clip that plays; undefined before one does. */
+  get clip(): string | undefined {
+    return this.#stream?.clip;
+  }
+
+  /** Time within it in seconds. */
+  get clipSecs(): number {
+    return this.#stream?.clipSecs ?? 0;
+  }
+
+  /** Files that the character carries whole, such as sound and captions, those too that have not come. */
+  get carried(): readonly CarriedFile[] {
+    return this.#stream?.carried ?? [];
+  }
+
+  /** Bytes of a file that it carries; undefined until it has come. */
+  carriedFile(file: string): Uint8Array | undefined {
+    return this.#stream?.carriedFile(file);
   }
 
   /** What is shown, in numbers; undefined once the stream has ended. */

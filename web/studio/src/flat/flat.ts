@@ -2,30 +2,27 @@ import type { StudioState } from '../state.js';
 import { baseOf } from '../files.js';
 import { chosenClip, loopedSecs, type Studio } from '../studio.js';
 import { StageColumn } from '../stage/column.js';
+import type { RecordedCamera } from '../view/camera-path.js';
 import { button, choice, section, segmented, slider } from '../ui/controls.js';
-import { download, h, inBytes } from '../ui/dom.js';
+import { download, h } from '../ui/dom.js';
 import { Readout, TaskLine } from '../ui/status.js';
 import type { Viewport } from '../view/viewport.js';
 import { type Background, PICTURES, readBackground, withBackground } from './background.js';
+import { headBox } from './head-box.js';
+import { type PortraitPreview, portraitWithBackground, type PortraitReport, showPortrait } from './portrait.js';
 import { type Preview, preview } from './preview.js';
-
-/** The report of `articula flatten --json`, as far as it is shown. */
-interface Report {
-  readonly bytes: { readonly raw: number; readonly gzip: number; readonly brotli: number };
-  readonly triangles_of_character: number;
-  readonly triangles_drawn: number;
-  readonly frames: number;
-  readonly fps: number;
-  readonly error: { readonly position_rmse_px: number; readonly image_rmse_levels: number; readonly ssim: number; readonly pixels_off_percent: number };
-}
+import { type ClipReport, tell } from './report.js';
 
 /** Share of a square picture that the character is high in 2D, and so in 3D beside it. */
 const FILLED = 0.86;
-const NAMES = { svg: 'Animated SVG', player: 'Player', lottie: 'Lottie' } as const;
+/** The same of a portrait, with what stands beside the head. */
+const HEAD_FILLED = 0.88;
+const NAMES = { svg: 'Animated SVG', player: 'Player', lottie: 'Lottie', portrait: 'Portrait' } as const;
 const FILES = {
   svg: ['svg', 'image/svg+xml'],
   player: ['js', 'text/javascript'],
   lottie: ['lottie.json', 'application/json'],
+  portrait: ['portrait.html', 'text/html'],
 } as const;
 
 /** The character in 3D beside what it becomes in 2D, with bytes and errors. */
@@ -39,8 +36,13 @@ export class FlatPage {
   readonly #shown = h('div', { class: 'flat-picture' });
   readonly #clip: ReturnType<typeof choice>;
   readonly #download: HTMLButtonElement;
+  readonly #yaw: HTMLElement;
+  readonly #turn: ReturnType<typeof slider>;
+  readonly #recorded = h('p', { class: 'hint', hidden: true }, 'Seen by the camera with which its recording began.');
   #column: StageColumn | undefined;
   #preview: Preview | undefined;
+  /** The portrait that is shown, if that is one. */
+  portrait: PortraitPreview | undefined;
   #background: Background | undefined;
   readonly #backdrop = h('img', { class: 'backdrop', alt: '', hidden: true });
   readonly #remove = button('Remove it', () => this.#stand(undefined));
@@ -55,16 +57,20 @@ export class FlatPage {
     this.#viewport = viewport;
     const { state } = studio;
     const set = (change: Partial<StudioState>): void => studio.set(change);
-    const form = segmented('Form', [['svg', 'SVG'], ['player', 'Player'], ['lottie', 'Lottie']], state.form, (word) => set({ form: word as StudioState['form'] }));
+    const form = segmented('Form', [['svg', 'SVG'], ['player', 'Player'], ['lottie', 'Lottie'], ['portrait', 'Portrait']], state.form, (word) => {
+      set({ form: word as StudioState['form'] });
+      this.#suit();
+    });
     this.#clip = choice('Clip', [], '', (word) => {
       set({ clip: word });
       this.#play();
     });
     const triangles = slider({ label: 'Triangles', min: 0, max: 4000, step: 100, value: state.triangles, shown: (n) => (n === 0 ? 'as needed' : `about ${n}`), onInput: (n) => set({ triangles: n }) });
-    const yaw = slider({ label: 'Seen from', min: -180, max: 180, step: 5, value: state.yaw, shown: (deg) => (deg === 0 ? 'the front' : `${deg}°`), onInput: (deg) => {
+    this.#yaw = slider({ label: 'Seen from', min: -180, max: 180, step: 5, value: state.yaw, shown: (deg) => (deg === 0 ? 'the front' : `${deg}°`), onInput: (deg) => {
       set({ yaw: deg });
       this.#look();
-    } });
+    } }).element;
+    this.#turn = slider({ label: 'Head of the portrait', min: -60, max: 60, step: 5, value: 0, shown: (deg) => (deg === 0 ? 'as it plays' : `turned by ${deg}°`), onInput: (deg) => this.portrait?.turn(deg) });
     const make = button('Make the picture', () => void this.make(), 'primary');
     this.#download = button('Download', () => this.#save());
     this.#download.disabled = true;
@@ -81,10 +87,11 @@ export class FlatPage {
     const flat = h('figure', { class: 'picture-frame flat-frame' }, h('figcaption', {}, '2D'), this.#backdrop, this.#shown);
     this.main = h('div', { class: 'stage flat' }, frame, flat);
     this.panel = h('div', { class: 'panel-body' },
-      section('Picture', true, form.element, this.#clip.element, triangles.element, yaw.element, behind, this.#named, h('div', { class: 'buttons' }, make, this.#download), this.#task.element),
-      section('Sizes and errors', true, this.#readout.element, h('p', { class: 'hint' }, 'Errors compare the picture with the character that was simplified for it, frame by frame, as articula flatten --json tells them.')));
+      section('Picture', true, form.element, this.#clip.element, triangles.element, this.#yaw, this.#recorded, this.#turn.element, behind, this.#named, h('div', { class: 'buttons' }, make, this.#download), this.#task.element),
+      section('Sizes and errors', true, this.#readout.element, h('p', { class: 'hint' }, 'Errors compare the picture with the character that was simplified for it, frame by frame, and a portrait with the head in 3D as it turns, as articula flatten --json tells them.')));
     this.#stand(undefined);
     this.#empty();
+    this.#suit();
     studio.addEventListener('character', () => this.#renew());
   }
 
@@ -103,47 +110,57 @@ export class FlatPage {
     const { bytes, name, asset } = this.#studio.character;
     const { form, triangles, yaw } = this.#studio.state;
     const clip = asset.clips[chosenClip(this.#studio)];
+    const camera = this.#camera;
+    const options = { ...(clip !== undefined && { clip }), ...(triangles > 0 && { triangles }) };
+    const { tools } = this.#studio.articula;
     try {
-      const made = await this.#task.run(`Making ${NAMES[form]}`, (watch) =>
-        this.#studio.articula.tools.flattenMeasured(bytes, name, {
-          form,
-          yawDeg: yaw,
-          ...(clip !== undefined && { clip }),
-          ...(triangles > 0 && { triangles }),
-          ...watch,
-        }),
-      );
-      this.#made = { bytes: made.bytes, form, name: baseOf(name) };
-      this.#preview?.end();
-      this.#preview = await preview(this.#shown, form, made.bytes);
-      this.#download.disabled = false;
-      this.#tell(made.report as Report);
+      if (form === 'portrait') {
+        const made = await this.#task.run('Making the portrait', (watch) => tools.portrait(bytes, name, { ...options, ...watch }));
+        this.#take({ bytes: made.page, form, name: baseOf(name) }, made.report as PortraitReport);
+        this.portrait = await showPortrait(this.#shown, made.files);
+        this.#preview = this.portrait;
+      } else {
+        const made = await this.#task.run(`Making ${NAMES[form]}`, (watch) => tools.flattenMeasured(bytes, name, { form, ...(camera === undefined ? { yawDeg: yaw } : { camera: { eye: camera.eye, target: camera.target, fovDeg: camera.fovDeg } }), ...options, ...watch }));
+        this.#take({ bytes: made.bytes, form, name: baseOf(name) }, made.report as ClipReport);
+        this.#preview = await preview(this.#shown, form, made.bytes);
+      }
     } catch (error) {
       this.#studio.notices.fault(error);
     }
+    this.#suit();
   }
 
-  #tell(report: Report): void {
-    const { bytes, error } = report;
-    this.#readout.set('File', inBytes(bytes.raw));
-    this.#readout.set('gzip', inBytes(bytes.gzip));
-    this.#readout.set('Brotli', inBytes(bytes.brotli));
-    this.#readout.set('Character in 3D', inBytes(this.#studio.character.bytes.length));
-    this.#readout.set('Triangles', `${report.triangles_drawn.toLocaleString('en')} of ${report.triangles_of_character.toLocaleString('en')}`);
-    this.#readout.set('Frames', `${report.frames} at ${report.fps.toFixed(1)} Hz`);
-    this.#readout.set('Error of corners', `${error.position_rmse_px.toFixed(2)} px`);
-    this.#readout.set('Error of pixels', `${error.image_rmse_levels.toFixed(2)} of 255`);
-    this.#readout.set('Similarity (SSIM)', error.ssim.toFixed(3));
-    this.#readout.set('Pixels off', `${error.pixels_off_percent.toFixed(2)} %`);
+  /** Takes over what was made. */
+  #take(made: { bytes: Uint8Array; form: StudioState['form']; name: string }, report: ClipReport | PortraitReport): void {
+    this.#preview?.end();
+    this.portrait = undefined;
+    this.#made = made;
+    this.#download.disabled = false;
+    this.#turn.set(0);
+    tell(this.#readout, report, this.#studio.character.bytes.length);
+  }
+
+  /** Shows the knobs that the form has, and the head alone beside a portrait. */
+  #suit(): void {
+    const isHead = this.#studio.state.form === 'portrait';
+    this.#yaw.hidden = isHead || this.#camera !== undefined;
+    this.#recorded.hidden = isHead || this.#camera === undefined;
+    this.#turn.element.hidden = !isHead || this.portrait === undefined;
+    this.#look();
   }
 
   #save(): void {
-    if (this.#made !== undefined) {
-      const [extension, type] = FILES[this.#made.form];
-      const { bytes, form, name } = this.#made;
-      const isFilled = form === 'svg' && this.#background !== undefined;
-      download(isFilled ? withBackground(bytes, this.#background as Background) : bytes, `${name}.${extension}`, type);
+    if (this.#made === undefined) {
+      return;
     }
+    const { bytes, form, name } = this.#made;
+    const [extension, type] = FILES[form];
+    const background = this.#background;
+    const filled = background === undefined ? bytes : form === 'svg' ? withBackground(bytes, background) : form === 'portrait' ? portraitWithBackground(bytes, background) : bytes;
+    Promise.resolve(filled).then(
+      (all) => download(all, `${name}.${extension}`, type),
+      (error: unknown) => this.#studio.notices.fault(error),
+    );
   }
 
   /** Puts a picture behind the character, or none. */
@@ -155,12 +172,14 @@ export class FlatPage {
       this.#backdrop.src = URL.createObjectURL(new Blob([background.bytes as BlobPart], { type: background.type }));
     }
     this.#remove.hidden = this.#named.hidden = background === undefined;
-    this.#named.textContent = background === undefined ? '' : `${background.name} is behind it, and in the SVG that is downloaded; sizes and errors are those of the character alone.`;
+    this.#named.textContent = background === undefined ? '' : `${background.name} is behind it, and in the SVG or portrait that is downloaded; sizes and errors are those of the character alone.`;
   }
 
   #empty(): void {
     this.#preview?.end();
     this.#preview = undefined;
+    this.portrait = undefined;
+    this.#turn.element.hidden = true;
     this.#made = undefined;
     this.#download.disabled = true;
     this.#shown.replaceChildren(h('div', { class: 'empty' }, h('strong', {}, 'No picture yet'), h('p', {}, 'Make one to see it beside the character, with its bytes and errors.')));
@@ -179,7 +198,6 @@ export class FlatPage {
     this.#viewport.scene.add(this.#column.root);
     this.#clip.fill(asset.clips.map((name) => [name, name] as const));
     this.#play();
-    this.#look();
   }
 
   #play(): void {
@@ -187,15 +205,36 @@ export class FlatPage {
     if (asset.clips.length > 0) {
       const clip = chosenClip(this.#studio);
       this.#clip.set(asset.clips[clip] ?? '');
-      this.#column?.play(clip, 0);
+      this.#column?.play(clip, 0, this.#camera !== undefined);
     }
     this.#secs = 0;
+    this.#suit();
+  }
+
+  /** The camera that the clip was recorded by. */
+  get #camera(): RecordedCamera | undefined {
+    const { cameras, character } = this.#studio;
+    return cameras.get(character.asset.clips[chosenClip(this.#studio)] ?? '');
   }
 
   /** Turns the camera to where the picture is seen from. */
   #look(): void {
+    const column = this.#column;
+    if (column === undefined) {
+      return;
+    }
     const { width, height } = this.#viewport.columnSize;
     const share = Math.min(width / height, 1);
+    const recorded = this.#camera;
+    if (recorded !== undefined && this.#studio.state.form !== 'portrait') {
+      this.#viewport.see(recorded.eye, recorded.target, share);
+      return;
+    }
+    // What is beside it decides, once there is something.
+    if ((this.#made?.form ?? this.#studio.state.form) === 'portrait') {
+      this.#viewport.fit(headBox(this.#studio.character.asset, column.joints()), 0, HEAD_FILLED * share);
+      return;
+    }
     this.#viewport.fit(this.#studio.character.asset.bounds, (this.#studio.state.yaw * Math.PI) / 180, FILLED * share);
   }
 

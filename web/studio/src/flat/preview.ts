@@ -1,4 +1,3 @@
-import type { StudioState } from '../state.js';
 import { h } from '../ui/dom.js';
 
 /** A picture that is shown, until it is ended. */
@@ -7,7 +6,7 @@ export interface Preview {
 }
 
 /** Shows a picture of a form, from its file. */
-export async function preview(into: HTMLElement, form: StudioState['form'], bytes: Uint8Array): Promise<Preview> {
+export async function preview(into: HTMLElement, form: 'svg' | 'player' | 'lottie', bytes: Uint8Array): Promise<Preview> {
   switch (form) {
     case 'svg':
       return showSvg(into, bytes);

@@ -1,4 +1,4 @@
-import { button, section } from '../ui/controls.js';
+import { button, section, toggle } from '../ui/controls.js';
 import { h, inBytes } from '../ui/dom.js';
 import type { Studio } from '../studio.js';
 
@@ -11,7 +11,8 @@ export class ClipsPanel {
   constructor(studio: Studio) {
     this.#studio = studio;
     const own = button('Move only the joints of this clip', () => this.#selectOwn(), 'small');
-    this.element = section('Clips', true, this.#list, own);
+    const always = toggle('Choosing one does so', studio.state.own, (on) => studio.set({ own: on }));
+    this.element = section('Clips', true, this.#list, h('div', { class: 'buttons' }, own, always.element));
   }
 
   renew(): void {
@@ -32,6 +33,9 @@ export class ClipsPanel {
 
   #play(name: string): void {
     this.#studio.set({ clip: name });
+    if (this.#studio.state.own) {
+      this.#selectOwn();
+    }
     this.renew();
   }
 

@@ -1,6 +1,6 @@
 import type { ArticulaAsset } from '@articula/three';
 import { ArticulaFigure } from '@articula/three';
-import { Group, type Material } from 'three';
+import { Color, Group, type Material } from 'three';
 
 import type { StudioState } from '../state.js';
 import { ACTIVE, IN_TRANSITION, PASSIVE, SkeletonOverlay } from '../view/skeleton.js';
@@ -52,6 +52,9 @@ export class StageColumn {
   /** Metres by which the clip carries the figure in a second. */
   #drift: readonly [number, number] = [0, 0];
   #clipSecs = 0;
+  /** Transforms and matrices of the last frame that had any, or in which the clip went on. */
+  #work: readonly [number, number] = [0, 0];
+  #shownSecs = Number.NaN;
 
   constructor(asset: ArticulaAsset, rule: ColumnRule, clones = 0) {
     this.#asset = asset;
@@ -79,9 +82,9 @@ export class StageColumn {
     this.crew.forEach(({ core }) => core.articulate(joints));
   }
 
-  /** Plays a clip on the spot: what carries the figure away is taken out. */
-  play(clip: number, secs: number): void {
-    this.#drift = drift(this.#asset, clip);
+  /** Plays a clip on the spot: what carries the figure away is taken out, unless it `travels`. */
+  play(clip: number, secs: number, travels = false): void {
+    this.#drift = travels ? [0, 0] : drift(this.#asset, clip);
     this.#clipSecs = this.#asset.clipSecs[clip] ?? 0;
     this.crew.forEach(({ core }, i) => core.play(clip, this.#ahead(secs, i)));
   }
@@ -94,7 +97,9 @@ export class StageColumn {
 
   /** How the body and the skeleton are shown. */
   dress(state: StudioState): void {
+    const colors = [state.passiveColor, state.activeColor, state.changingColor].map((color) => new Color(color));
     this.#overlays.forEach((overlay) => {
+      overlay.colors = colors;
       overlay.visible = state.skeleton;
       overlay.radius = heightOf(this.#asset) * 0.008 * state.radius;
     });
@@ -123,6 +128,7 @@ export class StageColumn {
         overlay.update(this.joints(figure), figure.core.jointStates);
       }
     });
+    this.#count(clipSecs);
   }
 
   /** Places the figures as they stand at a time of the clip. */
@@ -148,7 +154,8 @@ export class StageColumn {
 
   figures(): ColumnFigures {
     const states = this.figure.core.jointStates;
-    const [updated = 0, , sampled = 0, matrices = 0] = this.figure.core.work;
+    const [updated = 0] = this.figure.core.work;
+    const [sampled, matrices] = this.#work;
     const of = (state: number): number => states.reduce((sum, s) => sum + (s === state ? 1 : 0), 0);
     return { active: of(ACTIVE), passive: of(PASSIVE), changing: of(IN_TRANSITION), updated, sampled, matrices };
   }
@@ -157,6 +164,15 @@ export class StageColumn {
     this.#overlays.forEach((overlay) => overlay.dispose());
     this.crew.forEach((figure) => figure.dispose());
     this.root.removeFromParent();
+  }
+
+  /** Takes over what a frame took; one that shows the same again computes no matrices. */
+  #count(clipSecs: number): void {
+    const [, , sampled = 0, matrices = 0] = this.figure.core.work;
+    if (clipSecs !== this.#shownSecs || matrices > 0) {
+      this.#work = [sampled, matrices];
+    }
+    this.#shownSecs = clipSecs;
   }
 
   /** The time that a figure of the crew is at. */

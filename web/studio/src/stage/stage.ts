@@ -6,6 +6,7 @@ import { packCameras } from './view-of.js';
 import { type Viewport, WIDTH_TO_HEIGHT } from '../view/viewport.js';
 import { CameraPanel } from './camera.js';
 import { ClipsPanel } from './clips.js';
+import { colors, paintLegend } from './colors.js';
 import { type ColumnRule, StageColumn, widthOf } from './column.js';
 import { EvaluatePanel } from './evaluate.js';
 import { FacePanel } from './face.js';
@@ -13,6 +14,7 @@ import { chosenJoints, LEVELS, LevelsPanel, spoken } from './levels.js';
 import { LivePanel } from './live.js';
 import { MetricPanel } from './metric.js';
 import { placement } from './placement.js';
+import { RecordingPanel } from './recording.js';
 import { takeHome } from './take-home.js';
 import { Timeline } from './timeline.js';
 import { VoiceSound } from './voice.js';
@@ -37,6 +39,7 @@ export class StagePage {
   readonly #clips: ClipsPanel;
   readonly #face: FacePanel;
   readonly #camera: CameraPanel;
+  readonly #recording: RecordingPanel;
   readonly #live = new LivePanel();
   readonly #labels = h('div', { class: 'column-labels' });
   readonly #counts = { active: h('b', {}), passive: h('b', {}), changing: h('b', {}) };
@@ -56,11 +59,12 @@ export class StagePage {
     this.#clips = new ClipsPanel(studio);
     this.#face = new FacePanel(studio, () => this.columns);
     this.#camera = new CameraPanel(studio, viewport, this.timeline, () => this.columns[0]);
+    this.#recording = new RecordingPanel(studio, viewport, () => this.columns[0]);
     const evaluate = new EvaluatePanel(studio, () => this.#expression());
     const key = (kind: string, word: string, count: HTMLElement): HTMLElement => h('li', { class: kind }, word, ' ', count);
     const legend = h('ul', { class: 'state-key', 'aria-label': 'Joints by state' }, key('active', 'active', this.#counts.active), key('passive', 'passive', this.#counts.passive), key('changing', 'in transition', this.#counts.changing));
     this.main = h('div', { class: 'stage' }, h('div', { class: 'picture-frame' }, this.#labels, legend), this.timeline.element);
-    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, evaluate.element, takeHome(studio, viewport));
+    this.panel = h('div', { class: 'panel-body' }, this.#live.element, this.#levels.element, this.#metric.element, this.#clips.element, this.#view(), placement(studio), this.#camera.element, this.#face.element, this.#recording.element, evaluate.element, takeHome(studio, viewport, () => this.#expression()));
     studio.addEventListener('state', () => this.#follow());
     studio.addEventListener('character', () => this.#renew());
     studio.addEventListener('selection', () => this.#levels.renew());
@@ -73,6 +77,7 @@ export class StagePage {
 
   unmount(): void {
     this.#camera.end();
+    this.#recording.end();
     this.voice.end();
     this.columns[0]?.dress({ ...this.#studio.state, body: 'solid' });
     this.#clear();
@@ -92,7 +97,7 @@ export class StagePage {
     const body = choice('Body', [['clear', 'See-through'], ['solid', 'Solid'], ['none', 'Hidden']], state.body, (word) => set({ body: word as StudioState['body'] }));
     const skeleton = toggle('Skeleton', state.skeleton, (on) => set({ skeleton: on }));
     const radius = slider({ label: 'Size of joints', min: 0.3, max: 3, step: 0.1, value: state.radius, shown: (n) => `${Math.round(100 * n)} %`, onInput: (n) => set({ radius: n }) });
-    return section('View', true, columns.element, body.element, skeleton.element, radius.element);
+    return section('View', true, columns.element, body.element, skeleton.element, radius.element, colors(this.#studio));
   }
 
   /** What the columns show. */
@@ -116,7 +121,9 @@ export class StagePage {
       return;
     }
     this.#camera.end();
+    this.#recording.end();
     this.#clear();
+    paintLegend(this.main, this.#studio.state);
     this.#select();
     this.#levels.renew();
     this.#metric.renew();
@@ -163,7 +170,8 @@ export class StagePage {
     this.timeline.setLength(asset.clipSecs[clip] ?? 1);
     this.voice.load(this.#studio.voices.get(asset.clips[clip] ?? ''));
     if (asset.clips.length > 0) {
-      this.columns.forEach((column) => column.play(clip, this.timeline.secs));
+      const travels = this.#studio.cameras.has(asset.clips[clip] ?? '');
+      this.columns.forEach((column) => column.play(clip, this.timeline.secs, travels));
     }
   }
 
@@ -213,7 +221,8 @@ export class StagePage {
       this.timeline.secs = 0;
       this.#play();
     }
-    if (differs('body', 'skeleton', 'radius')) {
+    if (differs('body', 'skeleton', 'radius', 'activeColor', 'passiveColor', 'changingColor')) {
+      paintLegend(this.main, state);
       this.columns.forEach((column) => column.dress(state));
     }
     this.columns.forEach((column) => column.stand(state));
@@ -230,6 +239,7 @@ export class StagePage {
       column.update(this.timeline.now, this.timeline.secs, this.#viewport);
     }
     const ms = performance.now() - start;
+    this.#recording.frame(dtSecs);
     const [first] = this.columns;
     if (first === undefined) {
       return;

@@ -1,12 +1,15 @@
-import { button, section } from '../ui/controls.js';
-import { download, h } from '../ui/dom.js';
+import { button, section, toggle } from '../ui/controls.js';
+import { download, h, inBytes } from '../ui/dom.js';
 import { baseOf } from '../files.js';
 import type { Viewport } from '../view/viewport.js';
 import type { Studio } from '../studio.js';
 import { profile } from './levels.js';
 
-/** What the visitor takes along: the prepared file, the motion, the level of articulation, the picture and the address of this view. */
-export function takeHome(studio: Studio, viewport: Viewport): HTMLElement {
+/**
+ * What the visitor takes along: the prepared file, the motion, the level of articulation, the picture and the address of this view.
+ * `active` is an expression of the active joints.
+ */
+export function takeHome(studio: Studio, viewport: Viewport, active: () => string): HTMLElement {
   const base = (): string => baseOf(studio.character.name);
   const glb = button('Prepared GLB', () => {
     studio.prepared().then(
@@ -15,7 +18,15 @@ export function takeHome(studio: Studio, viewport: Viewport): HTMLElement {
     );
   });
   const loa = button('LoA profile', () => download(`${profileOf(studio)}\n`, `${base()}-loa.json`, 'application/json'));
-  const motion = button('Motion (ABP)', () => void saveMotion(studio, base()));
+  const said = h('p', { class: 'said', role: 'status' });
+  const save = (to: Form): void => void saveMotion(studio, base(), to, active()).then(
+    (text) => {
+      said.textContent = text;
+    },
+    (error: unknown) => studio.notices.fault(error),
+  );
+  const alone = toggle('Motions of the active joints alone', studio.state.alone, (on) => studio.set({ alone: on }));
+  const motions = h('div', { class: 'buttons' }, button('Motion (ABP)', () => save('abp')), button('Motion (GLB)', () => save('glb')));
   const picture = button('Picture (PNG)', () => {
     viewport.picture().then(
       (png) => download(png, `${base()}.png`, 'image/png'),
@@ -29,22 +40,29 @@ export function takeHome(studio: Studio, viewport: Viewport): HTMLElement {
     );
   });
   const note = h('p', { class: 'hint' }, 'The program reads the profile: articula convert in.glb out.glb --loa-profile loa.json.');
-  return section('Take home', false, h('div', { class: 'buttons' }, glb, motion, loa, picture, link), note);
+  return section('Take home', false, h('div', { class: 'buttons' }, glb, loa, picture, link), alone.element, motions, said, note);
 }
 
-/** Saves the clip that plays as body animation parameters, all joints of it. */
-async function saveMotion({ articula, character, notices, state, task }: Studio, base: string): Promise<void> {
+type Form = 'abp' | 'glb';
+const TYPES: Readonly<Record<Form, string>> = { abp: 'application/octet-stream', glb: 'model/gltf-binary' };
+
+/** Saves the clip that plays, of all joints or of the active ones, and returns what that saves. */
+async function saveMotion({ articula, character, state, task }: Studio, base: string, to: Form, active: string): Promise<string> {
   const { bytes, name, asset } = character;
   const clip = asset.clips.includes(state.clip) ? state.clip : asset.clips[0];
-  try {
-    if (clip === undefined) {
-      throw new Error(`${name}: the file has no clip`);
-    }
-    const abp = await task.run(`Writing ${clip}`, (watch) => articula.tools.convert(bytes, name, 'abp', { clip, ...watch }));
-    download(abp, `${base}-${clip.replaceAll(/[^\w-]/g, '-')}.abp`, 'application/octet-stream');
-  } catch (error) {
-    notices.fault(error);
+  if (clip === undefined) {
+    throw new Error(`${name}: the file has no clip`);
   }
+  const { alone, passive } = state;
+  return task.run(`Writing ${clip}`, async (watch) => {
+    const write = (loa: object): Promise<Uint8Array> => articula.tools.convert(bytes, name, to, { clip, ...loa, ...watch });
+    const whole = await write({});
+    // What passive joints hold is one pose; the frame that they are held in while it plays is not known.
+    const made = alone ? await write({ loa: active, passive: passive === 'rest' ? 'rest' : 'key-pose' }) : whole;
+    download(made, `${base}-${clip.replaceAll(/[^\w-]/g, '-')}${alone ? '-active' : ''}.${to}`, TYPES[to]);
+    const joints = asset.core.jointsOfExpression(active).length;
+    return alone ? `${joints} of ${asset.joints.length} joints move: ${inBytes(made.length)} in place of ${inBytes(whole.length)}.` : `All joints move: ${inBytes(made.length)}.`;
+  });
 }
 
 /** The profile of the joints chosen now; those of an expression are listed by their names. */

@@ -4,7 +4,7 @@ import type { Notices } from '../ui/status.js';
 /** Seconds by which sound and clip may differ before the sound is set anew. */
 const APART_SECS = 0.12;
 
-/** The recording that a clip speaks, heard on the clock of the page. */
+/** The sound of a clip, heard on its clock. */
 export class VoiceSound {
   /** Turns it on and off; hidden where the clip is silent. */
   readonly element = button('Sound', () => this.#toggle(), 'small');
@@ -19,8 +19,8 @@ export class VoiceSound {
     this.#paint();
   }
 
-  /** Takes over the recording of a clip, a WAV file, or none. */
-  load(recording: Uint8Array | undefined): void {
+  /** Takes over the recording of a clip, a WAV file or another of this media type, or none. */
+  load(recording: Uint8Array | undefined, type = 'audio/wav'): void {
     if (recording === this.#recording) {
       return;
     }
@@ -31,7 +31,7 @@ export class VoiceSound {
     if (recording === undefined) {
       this.audio.removeAttribute('src');
     } else {
-      this.audio.src = URL.createObjectURL(new Blob([recording as BlobPart], { type: 'audio/wav' }));
+      this.audio.src = URL.createObjectURL(new Blob([recording as BlobPart], { type }));
     }
   }
 
@@ -65,7 +65,7 @@ export class VoiceSound {
     }
     this.#isOn = false;
     this.#paint();
-    this.#notices.say(name === 'NotAllowedError' ? 'The voice is silent until you press Sound.' : `The browser plays no sound of this file: ${(error as Error).message}`);
+    this.#notices.say(name === 'NotAllowedError' ? 'It is silent until you press Sound.' : `The browser plays no sound of this file: ${(error as Error).message}`);
   }
 
   #toggle(): void {

@@ -9,6 +9,8 @@ import { h, inBytes } from '../ui/dom.js';
 import { Readout } from '../ui/status.js';
 import type { Viewport } from '../view/viewport.js';
 import { StreamBeside } from './beside.js';
+import { CarriedShow } from './carried.js';
+import { EncoderPanel } from './encoder.js';
 import { EventLog } from './events.js';
 import { contextOf, reasonOf } from './reasons.js';
 import { characters, SERVER, sessions } from './server.js';
@@ -40,7 +42,10 @@ export class StreamPage {
   readonly #note = h('div', { class: 'overlay-note', role: 'status', hidden: true });
   readonly #reason = h('p', { class: 'said' });
   readonly #beside = new StreamBeside();
+  /** Sound, captions and pictures that the character carries. */
+  readonly carried: CarriedShow;
   readonly #sessions = h('tbody', {});
+  readonly #encoder: EncoderPanel;
   readonly #character: ReturnType<typeof choice>;
   readonly #clip: ReturnType<typeof choice>;
   #timers: number[] = [];
@@ -52,6 +57,8 @@ export class StreamPage {
   constructor(studio: Studio, viewport: Viewport) {
     this.#studio = studio;
     this.#viewport = viewport;
+    this.#encoder = new EncoderPanel(studio);
+    this.carried = new CarriedShow(studio.notices);
     const { state } = studio;
     const steer = (change: Partial<StudioState>): void => {
       studio.set(change);
@@ -86,15 +93,17 @@ export class StreamPage {
     const anew = button('Begin anew', () => this.#connect(), 'primary');
     const head = h('tr', {}, ...['No.', 'Character', 'Level', 'kbit/s', 'Sent'].map((text) => h('th', { scope: 'col' }, text)));
     const table = h('table', {}, h('caption', {}, 'Open now, of all pages and programs'), h('thead', {}, head), this.#sessions);
-    this.main = h('div', { class: 'stage crowd' }, h('div', { class: 'picture-frame' }, this.#note));
+    this.main = h('div', { class: 'stage crowd' }, h('div', { class: 'picture-frame' }, this.carried.element, this.#note));
     this.panel = h('div', { class: 'panel-body' },
       section('What has come', true, this.#reason, this.#readout.element, this.#course.element),
       section('Delivery', true, this.#character.element, this.#clip.element, by.element, rate.element, beside.element, wanted.element, memory.element, h('p', { class: 'hint' }, 'Move the camera away, and less is asked for.'), h('div', { class: 'buttons' }, anew)),
       section('Events', true, this.#log.element),
-      section('Sessions of the server', false, h('div', { class: 'table-scroll', tabindex: 0, role: 'region', 'aria-label': 'Sessions' }, table)));
+      section('Sessions of the server', false, h('div', { class: 'table-scroll', tabindex: 0, role: 'region', 'aria-label': 'Sessions' }, table)),
+      this.#encoder.element);
   }
 
   mount(): void {
+    this.#encoder.renew();
     this.#viewport.columns = [];
     this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
     this.#timers = [window.setInterval(() => this.#plot(), PLOT_MS), window.setInterval(() => void this.#list(), SESSIONS_MS)];
@@ -169,6 +178,7 @@ export class StreamPage {
     this.stream?.dispose();
     this.stream = undefined;
     this.#beside.end();
+    this.carried.end();
     this.#reason.textContent = '';
   }
 
@@ -192,6 +202,7 @@ export class StreamPage {
     const camera = this.#isFitted ? this.#viewport.camera : undefined;
     stream.update(dtSecs, camera);
     this.#beside.update(dtSecs, camera);
+    this.carried.follow(stream);
     const sphere = stream.mesh?.boundingSphere;
     if (!this.#isFitted && sphere && sphere.radius > 0) {
       this.#isFitted = true;

@@ -115,6 +115,20 @@ export function toggle(label: string, value: boolean, onChange: (value: boolean)
   };
 }
 
+/** A choice of a colour, as #rrggbb. */
+export function color(label: string, value: string, onInput: (value: string) => void): Control<string> {
+  const id = freshId();
+  const input = h('input', { id, type: 'color' });
+  input.value = value;
+  input.addEventListener('input', () => onInput(input.value));
+  return {
+    element: h('div', { class: 'field row' }, h('label', { for: id }, label), input),
+    set(next) {
+      input.value = next;
+    },
+  };
+}
+
 /** A part of a panel with a heading that folds. */
 export function section(title: string, open: boolean, ...children: readonly (Node | string)[]): HTMLDetailsElement {
   return h('details', { class: 'section', open }, h('summary', {}, h('h2', {}, title)), h('div', { class: 'section-body' }, ...children));

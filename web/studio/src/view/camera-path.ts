@@ -7,6 +7,15 @@ export interface CameraKey {
 
 export type Point = readonly [number, number, number];
 
+/** Where the camera of a recording began, in the space of the figure; the clip is told as if the figure had moved before it. */
+export interface RecordedCamera {
+  readonly eye: Point;
+  readonly target: Point;
+  readonly fovDeg: number;
+  /** The same in the space of the page, where the clip is played. */
+  readonly pose: string;
+}
+
 /** Metres by which a path may change when keys are left out. */
 const LEAST_METRES = 0.001;
 /** Digits of a written number: tenths of a millimetre. */

@@ -16,7 +16,7 @@ export const PASSIVE = 0;
 export const ACTIVE = 1;
 export const IN_TRANSITION = 2;
 
-/** Colours of passive, active and changing joints, told apart by lightness too; those of the legend in the style sheet. */
+/** Colours of passive, active and changing joints at first, told apart by lightness too; those of the legend in the style sheet. */
 export const STATE_COLORS: readonly Color[] = [new Color('#d6393d'), new Color('#1fae57'), new Color('#f2a60d')];
 
 const MATRIX_FLOATS = 12;
@@ -33,6 +33,8 @@ export class SkeletonOverlay extends Object3D {
   readonly #joints: InstancedMesh;
   readonly #bones: InstancedMesh;
   readonly #parents: readonly number[];
+  /** Colours of passive, active and changing joints. */
+  colors = STATE_COLORS;
   /** Radius of a joint in metres. */
   radius: number;
 
@@ -60,7 +62,7 @@ export class SkeletonOverlay extends Object3D {
       // Passive joints are smaller, so that states differ without colours too.
       const radius = this.radius * (state === PASSIVE ? 0.75 : 1);
       this.#joints.setMatrixAt(joint, matrix.compose(to, turn.identity(), size.setScalar(radius)));
-      this.#joints.setColorAt(joint, STATE_COLORS[state] as Color);
+      this.#joints.setColorAt(joint, this.colors[state] as Color);
       if (parent < 0) {
         this.#bones.setMatrixAt(joint, matrix.makeScale(0, 0, 0));
       } else {
@@ -71,7 +73,7 @@ export class SkeletonOverlay extends Object3D {
         size.set(radius, length, radius);
         this.#bones.setMatrixAt(joint, matrix.compose(from.add(to).multiplyScalar(0.5), turn, size));
       }
-      this.#bones.setColorAt(joint, STATE_COLORS[states[parent] ?? state] as Color);
+      this.#bones.setColorAt(joint, this.colors[states[parent] ?? state] as Color);
     });
     for (const mesh of [this.#joints, this.#bones]) {
       mesh.instanceMatrix.needsUpdate = true;

@@ -164,6 +164,14 @@ export class Viewport {
     return true;
   }
 
+  /** Looks from an eye at a target, as large as a square of a share of the height would show it. */
+  see(eye: readonly [number, number, number], target: readonly [number, number, number], share: number): void {
+    this.leave();
+    this.controls.target.fromArray(target);
+    this.camera.position.fromArray(eye).sub(this.controls.target).divideScalar(share).add(this.controls.target);
+    this.controls.update();
+  }
+
   /** Leaves the camera to the caller, whatever the size of the picture. */
   leave(): void {
     this.#fitted = undefined;

@@ -211,6 +211,7 @@ impl ConvertArgs {
             yaw_deg: self.shot.yaw_deg,
             pitch_deg: self.shot.pitch_deg,
             turn_deg: self.motion.turn_deg,
+            seen_from: None,
             viewport: Viewport {
                 width_px: self.shot.size.0 as f32,
                 height_px: self.shot.size.1 as f32,

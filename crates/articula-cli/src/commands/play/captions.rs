@@ -22,10 +22,21 @@ impl Captions {
     /// The captions of the first character of a client, once they have arrived.
     pub(super) fn of(client: &Client) -> Option<Self> {
         let receiver = client.character(0)?.receiver()?;
-        let mut files = receiver.manifest().whole.iter();
-        let file = files.find(|file| file.file.ends_with(".vtt"))?;
-        let bytes = receiver.file(&file.file)?;
-        Some(Self::read(&String::from_utf8_lossy(bytes)))
+        let files = receiver.manifest().whole.iter().map(|file| &*file.file);
+        let file = files.clone().find(|file| file.ends_with(".vtt"))?;
+        let bytes = receiver.file(file)?;
+        Some(Self::read(&String::from_utf8_lossy(bytes)).without_pictures(files))
+    }
+
+    /// The captions without the names of files, which stand for pictures of a slide-show.
+    fn without_pictures<'a>(mut self, files: impl Iterator<Item = &'a str> + Clone) -> Self {
+        let is_file = |text: &str| {
+            files
+                .clone()
+                .any(|file| file.rsplit('/').next() == Some(text))
+        };
+        self.0.retain(|cue| !is_file(&cue.text));
+        self
     }
 
     /// What is said at a time within a clip.
@@ -81,6 +92,14 @@ fn plain(line: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_are_not_said() {
+        let captions =
+            Captions::read("WEBVTT\n\n00:00 --> 00:01\none.png\n\n00:00 --> 00:01\nSee one.png.\n");
+        let captions = captions.without_pictures(["with/one.png"].into_iter());
+        assert_eq!(captions.at(None, 0.5), Some("See one.png."));
+    }
 
     #[test]
     fn cues_are_those_of_their_clip_and_time() {
