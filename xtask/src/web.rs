@@ -49,8 +49,8 @@ const STREAM: Module = Module {
 
 const PUBLISH: Module = Module {
     name: "publish",
-    contents: "2D output, packaging, lighter files, motions of faces, voices, evaluation, benchmark",
-    limit: 2_150_000,
+    contents: "2D output, portraits, streams, packaging, lighter files, motions of faces, voices, evaluation, benchmark",
+    limit: 2_300_000,
 };
 
 const MODULES: [&Module; 4] = [&PLAY, &TOOLS, &STREAM, &PUBLISH];

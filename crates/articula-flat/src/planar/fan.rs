@@ -12,6 +12,9 @@ const MAX_STEPS: usize = 6;
 const OUTSIDE_PX: f32 = 0.4;
 const FOREIGN_PX: f32 = 0.6;
 
+/// Angle of the triangles around a corner below which it is a tip.
+const TIP_RADIANS: f32 = 2.6;
+
 /// A line that a corner may cross by `reach`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Wall {
@@ -40,6 +43,12 @@ struct Step {
 pub(super) struct Fan {
     steps: [Step; MAX_STEPS],
     len: usize,
+    /// Direction of the last edge from the corner; zero without triangles, or if they reach half a
+    /// turn away from the first edge.
+    end: Vec2,
+    is_half_turn: bool,
+    /// How far one may be painted over that lies behind the first triangle.
+    behind: f32,
 }
 
 impl Fan {
@@ -94,6 +103,10 @@ impl Fan {
             let (reach, across) = beyond(next);
             let normal = outward(&places, far);
             let height = normal.dot(places[far] - places[corner]).max(0.0);
+            let beyond_far = beyond(far).0;
+            if fan.len == 0 {
+                fan.behind = reach.max(beyond_far);
+            }
             fan.steps[fan.len] = Step {
                 next: Wall {
                     normal: outward(&places, next),
@@ -101,14 +114,16 @@ impl Fan {
                 },
                 far: Wall {
                     normal,
-                    reach: height + beyond(far).0,
+                    reach: height + beyond_far,
                 },
             };
             fan.len += 1;
             // Half a turn away from the edge, all that lies across it is within the fan.
             let along = places[apex] - places[corner];
+            fan.end = along.normalize_or_zero();
             if fan.len > 1 && edge.dot(along) <= 0.0 {
                 fan.steps[fan.len - 1].next.reach = f32::MAX;
+                fan.is_half_turn = true;
                 break;
             }
             at = across.filter(|n| n.triangle != first.triangle);
@@ -118,9 +133,28 @@ impl Fan {
 
     /// How far a triangle may be painted over that lies behind the first one.
     pub(super) fn beyond_first(&self) -> f32 {
-        let steps = &self.steps[..self.len.min(1)];
-        let reach = steps.first().map_or(0.0, |step| step.next.reach);
-        (reach - OUTSIDE_PX).max(0.0)
+        (self.behind - OUTSIDE_PX).max(0.0)
+    }
+
+    /// Keeps a corner from sticking out of the triangles around it, from those of one fan to those of
+    /// another, if they fill less than half a turn; `own` are the directions of the corner's edges,
+    /// where a fan is empty.
+    pub(super) fn tip(fans: [&Self; 2], own: [Vec2; 2]) -> Option<Wall> {
+        if fans.iter().any(|fan| fan.is_half_turn) {
+            return None;
+        }
+        let end = |i: usize| if fans[i].len > 0 { fans[i].end } else { own[i] };
+        let (from, to) = (end(0), end(1));
+        let angles = [
+            from.angle_to(own[0]).abs(),
+            own[0].angle_to(own[1]).abs(),
+            own[1].angle_to(to).abs(),
+        ];
+        let is_tip = angles.iter().sum::<f32>() < TIP_RADIANS;
+        is_tip.then(|| Wall {
+            normal: -(from + to).normalize_or_zero(),
+            reach: OUTSIDE_PX,
+        })
     }
 
     /// All walls of the fan.

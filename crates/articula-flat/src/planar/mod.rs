@@ -32,6 +32,7 @@ mod merge;
 mod moving_gradient;
 mod neighbours;
 pub(crate) mod order;
+mod pull;
 pub(crate) mod reference;
 pub(crate) mod shading;
 pub(crate) mod source_picture;
