@@ -14,6 +14,10 @@ impl Publisher {
     /// each joint in model space, three rows of four numbers; `morphs` has for each frame the weights of all morph
     /// targets. A camera that moves is told as if the figure moved before it.
     #[wasm_bindgen(js_name = addRecording)]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "arrays of JavaScript cannot be fields of an object that is read as JSON"
+    )]
     pub fn add_recording(
         bytes: &[u8],
         name: &str,
