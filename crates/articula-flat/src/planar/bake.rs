@@ -180,6 +180,7 @@ fn still_parts(
         part: Vec::new(),
         surfaces: painter.surfaces(),
         albedo: Vec::new(),
+        texture: None,
     };
     let colors = fitted(subject, |triangle| {
         painter.appearance(painter.part_of[triangle[0] as usize])

@@ -4,6 +4,7 @@
 //! linear on the screen under every projection ([`crate::projection`]).
 
 use super::error::PlanarError;
+use super::texture::PlanarTexture;
 use glam::{Vec2, Vec4};
 use std::collections::BTreeMap;
 
@@ -57,6 +58,8 @@ pub struct PlanarClip {
     pub surfaces: Vec<PlanarMaterial>,
     /// sRGB albedo of each vertex in levels, 0 to 255.
     pub albedo: Vec<[f32; 3]>,
+    /// Picture that triangles show instead of their vertices' albedo; only the player draws it.
+    pub texture: Option<PlanarTexture>,
 }
 
 impl PlanarClip {
@@ -160,6 +163,9 @@ impl PlanarClip {
                 ),
             );
         }
+        if let Some(texture) = &self.texture {
+            texture.check(vertices, triangles)?;
+        }
         if !self.fps.is_finite() || self.fps <= 0.0 {
             return mismatch("fps", format!("{}, expected more than 0", self.fps));
         }
@@ -240,6 +246,7 @@ pub(crate) mod fixture {
                 albedo: Some([120, 200, 90]),
             }],
             albedo: vec![[120.0, 200.0, 90.0]; 8],
+            texture: None,
         }
     }
 
@@ -275,6 +282,7 @@ pub(crate) mod fixture {
                 })
                 .collect(),
             albedo,
+            texture: None,
         }
     }
 }

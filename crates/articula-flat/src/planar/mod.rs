@@ -5,6 +5,7 @@
 //!
 //! - [`PlanarSubject`]: the character that is shown; [`bake()`] skins, projects and lights it into
 //!   a [`PlanarClip`]: position and light of every vertex in every frame
+//! - [`PlanarTexture`]: a picture that triangles of a clip show
 //! - [`PlanarSubject::bounds`], [`PlanarSubject::camera`], [`PlanarSubject::seen`]: bounds, camera
 //!   placement and visible triangles of a moving subject
 //! - [`OrderOptions`]: painting order in epochs; [`OrderComparison`]: wrong pixels of each ordering
@@ -38,6 +39,7 @@ pub(crate) mod source_picture;
 pub(crate) mod split;
 mod stage;
 mod subject;
+mod texture;
 mod tunnel;
 pub(crate) mod underlap;
 mod vertex_colors;
@@ -53,3 +55,4 @@ pub use reference::reference;
 pub use shading::Shading;
 pub use split::SplitOptions;
 pub use subject::PlanarSubject;
+pub use texture::PlanarTexture;

@@ -2,9 +2,10 @@
 //!
 //! Source: `docs/methods/vector.md` 8.3.
 
+use super::texture::PlayerTexture;
 use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
-use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial};
+use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial, PlanarTexture};
 use glam::Vec2;
 use std::ops::Range;
 
@@ -53,6 +54,8 @@ pub struct PlayerClip {
     pub(crate) motion: Quantised,
     /// Names of the inputs that drive the clip; empty if it can only be played.
     pub inputs: Vec<String>,
+    /// The picture that triangles show; only with Gouraud shading.
+    pub(crate) texture: Option<PlayerTexture>,
 }
 
 /// Positions and light of a clip at one time.
@@ -118,6 +121,8 @@ impl PlayerClip {
         let moment = self.planar_frame(frame);
         let mut clip = self.planar(vec![PlanarFrame::default()]);
         let order = self.order_at(frame);
+        let texture = clip.texture.take();
+        let mut shown = texture.as_ref().map(PlanarTexture::without_triangles);
         let (albedo, triangles) = (clip.albedo, clip.triangles);
         clip.albedo = Vec::new();
         clip.triangles = Vec::new();
@@ -134,12 +139,19 @@ impl PlayerClip {
                 to.nearness
                     .push((rank + 1) as f32 / (order.len() + 1) as f32);
                 clip.albedo.push(albedo[wedge]);
+                if let (Some(shown), Some(texture)) = (&mut shown, &texture) {
+                    shown.places.push(texture.places[wedge]);
+                }
+            }
+            if let (Some(shown), Some(texture)) = (&mut shown, &texture) {
+                shown.shows.push(texture.shows[*t as usize]);
             }
             clip.triangles.push([first, first + 1, first + 2]);
             surface.push(0);
         }
         clip.part = vec![0; surface.len()];
         clip.surface = surface;
+        clip.texture = shown;
         clip
     }
 
@@ -171,6 +183,7 @@ impl PlayerClip {
                 albedo: None,
             }],
             albedo,
+            texture: self.texture.as_ref().map(PlayerTexture::planar),
         }
     }
 

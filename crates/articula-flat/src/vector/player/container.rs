@@ -4,7 +4,7 @@
 
 use super::clip::PlayerClip;
 use super::stream::Writer;
-use super::topology::parents;
+use super::topology::{parents, wedge_parents};
 use crate::low_rank::quantised::QuantisedComponent;
 use crate::planar::shading::Shading;
 use flate2::Compression;
@@ -19,6 +19,8 @@ pub(crate) const VERSION: u8 = 1;
 pub(super) const GOURAUD: u32 = 1;
 /// Flag: components are inputs, whose names follow at the end.
 pub(super) const INPUTS: u32 = 2;
+/// Flag: triangles show a picture, which follows at the end.
+pub(super) const TEXTURE: u32 = 4;
 
 /// Size of each part before compression, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -41,6 +43,8 @@ pub(crate) struct PartSizes {
     pub coefficients: usize,
     /// Names of inputs.
     pub inputs: usize,
+    /// Texture coordinates and the picture.
+    pub texture: usize,
 }
 
 /// Encodes a clip as bytes of the script player's container.
@@ -82,6 +86,10 @@ pub(crate) fn encode_parts(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
             .for_each(|unit| to.unsigned(unit.into()));
     }
     sizes.inputs = passed(&to);
+    if let Some(texture) = &clip.texture {
+        texture.write(&mut to, &clip.triangles, &wedge_parents(&clip.triangles));
+    }
+    sizes.texture = passed(&to);
     (packed(&to.0), sizes)
 }
 
@@ -120,6 +128,7 @@ fn packed_in(body: &[u8], block: usize) -> Vec<u8> {
 fn header(to: &mut Writer, clip: &PlayerClip) {
     let gouraud = u32::from(clip.shading == Shading::Gouraud) * GOURAUD;
     let inputs = u32::from(!clip.inputs.is_empty()) * INPUTS;
+    let texture = u32::from(clip.texture.is_some()) * TEXTURE;
     for value in [
         clip.width,
         clip.height,
@@ -127,7 +136,7 @@ fn header(to: &mut Writer, clip: &PlayerClip) {
         clip.triangles.len() as u32,
         clip.epochs.len() as u32,
         clip.motion.components.len() as u32,
-        gouraud | inputs,
+        gouraud | inputs | texture,
     ] {
         to.unsigned(value);
     }

@@ -19,6 +19,7 @@ mod page;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod texture;
 mod topology;
 
 pub use clip::{PlayerClip, PlayerFrame};
