@@ -72,6 +72,7 @@ pub fn flatten_live(
         keys: 0,
         shapes: file.stats.triangles,
         orders: 1,
+        texture: clip.shown_texture(),
         tried: vec![TriedQuality {
             quality,
             bytes: raw,

@@ -7,7 +7,7 @@
 
 use super::prepared::PreparedClip;
 use super::reference_frames::{ImageError, ReferenceFrames};
-use super::report::{FileErrors, FileSize, Representation};
+use super::report::{FileErrors, FileSize, Representation, ShownTexture};
 use super::settings::{Profile, Quality, Settings};
 use super::source_frames::DroppedDetail;
 use super::written::{Written, write};
@@ -40,6 +40,8 @@ pub struct Flattened {
     pub shapes: usize,
     /// Number of painting orders, one after the other.
     pub orders: usize,
+    /// The picture that triangles show; only in files of the player.
+    pub texture: Option<ShownTexture>,
     /// Bytes by which the smallest file misses the budget; `None` if the budget is kept.
     pub bytes_over: Option<u64>,
     /// Settings that the search tried; one without a budget.
@@ -204,6 +206,7 @@ pub fn flatten(
         keys: written.keys,
         shapes: written.shapes,
         orders: prepared.painting.epochs.len(),
+        texture: written.texture(),
         bytes: written.bytes,
         tried,
         dropped_detail: Vec::new(),

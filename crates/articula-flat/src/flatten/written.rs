@@ -6,6 +6,7 @@
 
 use super::pages::pages;
 use super::prepared::PreparedClip;
+use super::report::ShownTexture;
 use super::settings::{Profile, Quality};
 use super::source_frames::BACKGROUND;
 use super::strays::{self, Strays};
@@ -116,6 +117,16 @@ impl Written {
                 raster(&still, BACKGROUND)?
             }
         })
+    }
+}
+
+impl Written {
+    /// The picture that triangles of the file show.
+    pub(super) fn texture(&self) -> Option<ShownTexture> {
+        match &self.shown {
+            ReadBack::Player(clip) => clip.shown_texture(),
+            _ => None,
+        }
     }
 }
 

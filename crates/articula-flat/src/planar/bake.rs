@@ -4,6 +4,7 @@
 //! light multiplies sRGB levels, since vector players blend in sRGB. Colours of textured vertices
 //! are fitted to the texture in the triangles around them.
 
+use super::atlas::atlas;
 use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 use super::error::PlanarError;
 use super::subject::PlanarSubject;
@@ -11,7 +12,7 @@ use super::vertex_colors::{SurfaceColor, fitted};
 use crate::projection::{Projection, Screen};
 use articula_core::source::Material;
 use articula_core::{Camera, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 /// Minimum distance of a vertex from a perspective camera, metres.
 const NEAREST_M: f32 = 0.01;
@@ -102,6 +103,29 @@ pub fn bake(
         clip.frames.push(frame);
     }
     clip.check()?;
+    Ok(clip)
+}
+
+/// Adds to a clip that [`bake`] or [`bake_shapes`] made of a subject a picture of what its vertex
+/// colours do not show of the textures ([`PlanarClip::texture`]).
+///
+/// O(frames x samples covered).
+///
+/// # Errors
+/// [`PlanarError::Mismatch`] for the clip of another subject; errors of the clip;
+/// [`PlanarError::NothingVisible`].
+pub fn textured(
+    mut clip: PlanarClip,
+    subject: &PlanarSubject<'_>,
+    options: &BakeOptions,
+) -> Result<PlanarClip, PlanarError> {
+    let (same, sources) = still_parts(subject, options)?;
+    if same.triangles != clip.triangles {
+        let what = "the clip was not made of this subject".to_owned();
+        return Err(PlanarError::Mismatch { at: "clip", what });
+    }
+    let vertices: Vec<u32> = sources.iter().map(|source| source.vertex).collect();
+    clip.texture = atlas(&clip, &Painter::new(subject), &vertices)?;
     Ok(clip)
 }
 
@@ -280,6 +304,23 @@ impl<'a> Painter<'a> {
         self.appearance_of(triangle).color(vertex, at, level)
     }
 
+    /// Texture coordinates of a triangle's corners.
+    pub(super) fn texcoords(&self, triangle: &[u32; 3]) -> [Vec2; 3] {
+        triangle.map(|v| self.subject.mesh.texcoords[v as usize])
+    }
+
+    /// Mip level of a triangle's texture for an area of texture space (1 is all of it) on one pixel.
+    pub(super) fn level_of(&self, triangle: &[u32; 3], area: f32) -> usize {
+        let detail = self.appearance_of(triangle).detail();
+        detail.map_or(0, |texture| texture.level_for(area, 1.0))
+    }
+
+    /// Mip level of a triangle's texture if the triangle has this many samples.
+    pub(super) fn level_for(&self, triangle: &[u32; 3], samples: f32) -> usize {
+        let [a, b, c] = self.texcoords(triangle);
+        self.level_of(triangle, (b - a).perp_dot(c - a) / 2.0 / samples)
+    }
+
     /// One material for each part of the mesh.
     fn surfaces(&self) -> Vec<PlanarMaterial> {
         let mesh = self.subject.mesh;
@@ -411,7 +452,7 @@ fn project(
         if corner.w < NEAREST_M {
             return Err(PlanarError::BehindCamera { frame, vertex });
         }
-        out.xy.push(glam::Vec2::new(corner.x, corner.y) / corner.w);
+        out.xy.push(Vec2::new(corner.x, corner.y) / corner.w);
         out.nearness.push(corner.z / corner.w);
         let light = vertex_light(&lighting, normal.dot(toward), source.is_back);
         out.light

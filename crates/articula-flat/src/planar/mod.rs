@@ -19,6 +19,7 @@
 //! neighbours that are painted later, so that no gap shows; `keyed_clip` stores a few keys instead
 //! of every frame.
 
+mod atlas;
 mod bake;
 pub(crate) mod clip;
 mod contrast;
@@ -44,7 +45,7 @@ mod tunnel;
 pub(crate) mod underlap;
 mod vertex_colors;
 
-pub use bake::{BakeOptions, Lighting, Turntable, bake, bake_shapes};
+pub use bake::{BakeOptions, Lighting, Turntable, bake, bake_shapes, textured};
 pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 pub use contrast::color_contrast;
 pub(crate) use drawn::Drawn;

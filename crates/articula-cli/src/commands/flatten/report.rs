@@ -46,6 +46,15 @@ pub(super) fn text(report: &FlattenReport) -> String {
         report.keys,
         report.orders,
     );
+    if let Some(texture) = &report.texture {
+        text.push_str(&format!(
+            "texture: {} triangles show a picture of {} x {} px, {:.1} kB\n",
+            texture.triangles,
+            texture.size_px.0,
+            texture.size_px.1,
+            texture.bytes as f64 / 1e3,
+        ));
+    }
     text.push_str(&format!(
             "error: position {:.2} px, colour {:.1} levels of 0 to 255 (max {:.1}), SSIM {:.4} (min {:.4}) at {} frames; \
              pixels painted in the wrong order {:.2} % (depth sort {:.2} %)\n",

@@ -3,6 +3,7 @@
 //! Source: `docs/methods/vector.md` 8.3.
 
 use super::texture::PlayerTexture;
+use crate::flatten::ShownTexture;
 use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
 use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial, PlanarTexture};
@@ -112,6 +113,17 @@ impl PlayerClip {
     fn nearest(&self, frame: f64) -> u32 {
         // Halfway belongs to the later frame, as in the player.
         (frame + 0.5).floor().clamp(0.0, f64::from(self.frames - 1)) as u32
+    }
+
+    /// The picture that triangles show.
+    pub(crate) fn shown_texture(&self) -> Option<ShownTexture> {
+        let texture = self.texture.as_ref()?;
+        let picture = &texture.picture;
+        Some(ShownTexture {
+            triangles: texture.shows.iter().filter(|shows| **shows).count(),
+            size_px: (picture.width(), picture.height()),
+            bytes: texture.file.len() as u64,
+        })
     }
 
     /// One time as a planar clip of a single frame, in which triangles painted later are nearer and
