@@ -109,6 +109,24 @@ impl PlanarClip {
         classes
     }
 
+    /// Returns the share of the area of all front faces in all frames, hidden ones included, that
+    /// shows the texture; 0 without one.
+    pub fn textured_share(&self) -> f32 {
+        let Some(texture) = &self.texture else {
+            return 0.0;
+        };
+        let (mut shown, mut all) = (0.0, 0.0);
+        for f in 0..self.frames.len() {
+            for (t, is_shown) in texture.shows.iter().enumerate() {
+                let [a, b, c] = self.places(f, t);
+                let front = (-(b - a).perp_dot(c - a)).max(0.0);
+                all += front;
+                shown += if *is_shown { front } else { 0.0 };
+            }
+        }
+        shown / f32::max(all, f32::MIN_POSITIVE)
+    }
+
     /// Checks array lengths, indices, limits and that every number is finite.
     ///
     /// # Errors

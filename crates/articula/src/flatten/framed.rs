@@ -488,6 +488,10 @@ impl<'a> FramedCharacter<'a> {
         let source = self.source_frames(&times)?;
         let mut results = Vec::new();
         let mut weights = self.weights;
+        let least = match self.is_mostly_textured(least)? {
+            true => least.min(LEAST_TRIANGLES),
+            false => least,
+        };
         for (step, multiple) in COUNTS.into_iter().enumerate() {
             work.step(JUDGING, step, COUNTS.len())?;
             let count = ((multiple * least as f64).round() as usize).min(MAX_TRIANGLES);
@@ -517,6 +521,23 @@ impl<'a> FramedCharacter<'a> {
             self.weights = tried.weights;
         }
         Ok(())
+    }
+
+    /// Whether pictures cover most of the figure with this many triangles: then fewer are enough, since
+    /// they carry no colours.
+    fn is_mostly_textured(&self, count: usize) -> Result<bool> {
+        let materials = &self.appearance.materials;
+        if !self.shot.shows_textures || !materials.iter().any(|m| m.base_color_image.is_some()) {
+            return Ok(false);
+        }
+        let triangles = self.simplified(count, self.weights)?;
+        let shown = PlanarSubject {
+            triangles: &triangles,
+            ..self.subject()
+        };
+        let times: Vec<f64> = self.judged_times().iter().map(|t| t.secs).collect();
+        let clip = bake(&shown, &times, &self.options).context(self.figure.opened.name())?;
+        Ok(self.textured(clip, &shown)?.textured_share() > 0.5)
     }
 
     /// Simplifies and compares with the character itself; adds the result to `results`.

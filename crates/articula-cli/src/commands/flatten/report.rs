@@ -119,13 +119,14 @@ pub(crate) fn warnings(report: &FlattenReport) -> Vec<String> {
         ));
     }
     for detail in &report.dropped_detail {
-        let shading = match report.settings.shading {
-            "flat" => "--shading gouraud, ",
-            _ => "",
+        // More triangles have more colours, but a texture's edges lie within them.
+        let mend = match (report.profile.as_str(), report.settings.shading) {
+            ("player", "flat") => "leave out --shading flat, with which no texture is shown",
+            ("player", _) => "leave out --texture none",
+            _ => "--profile player shows textures, and --profile portrait those of a face",
         };
         all.push(format!(
-            "texture detail of the {} was dropped (mesh {}): its colours differ by {}; give more \
-             --triangles, {shading}or --profile portrait for a face",
+            "texture detail of the {} was dropped (mesh {}): its colours differ by {}; {mend}",
             detail.worst.region,
             clean(&detail.mesh),
             difference(&detail.worst),

@@ -21,6 +21,8 @@ use std::sync::Arc;
 /// Root mean square difference between texture and vertex colours, in levels, up to which a triangle
 /// shows its vertex colours.
 const PLAIN_RMS_LEVELS: f32 = 5.0;
+/// Least share of the area of all drawn triangles in which a picture is worth its bytes and its script.
+const LEAST_SHARE: f32 = 0.005;
 /// Subdivisions of each side of a triangle at whose centres colours are compared.
 const PARTS: usize = 6;
 
@@ -70,27 +72,36 @@ fn shown_triangles(
         return Ok(Vec::new());
     }
     let drawn = Drawn::seen(clip)?;
-    let mut all = Vec::new();
+    let pixels = |t: usize| {
+        let frames = (0..clip.frames.len()).filter(|f| drawn.get(*f, t));
+        let area = |f| area(&clip.places(f, t)).abs();
+        frames.map(area).fold(0.0, f32::max)
+    };
+    let (mut all, mut figure) = (Vec::new(), 0.0);
     for t in drawn.ever().into_iter().map(|t| t as usize) {
         let corners = clip.triangles[t].map(|v| sources[v as usize]);
+        let pixels = pixels(t);
+        figure += pixels;
         let Some(detail) = painter.appearance_of(&corners).detail() else {
             continue;
         };
         let size = detail.size();
         let texels = painter.texcoords(&corners).map(|at| at * size);
-        let frames = (0..clip.frames.len()).filter(|f| drawn.get(*f, t));
-        let area = |f| area(&clip.places(f, t)).abs();
         let shown = ShownTriangle {
             triangle: t,
             corners,
             texels,
             texels_per_unit: size,
-            pixels: frames.map(area).fold(0.0, f32::max),
+            pixels,
             surface: clip.surface[t],
         };
         if shown.is_usable() && rms_levels(clip, painter, &shown) > PLAIN_RMS_LEVELS {
             all.push(shown);
         }
+    }
+    let shown: f32 = all.iter().map(|shown: &ShownTriangle| shown.pixels).sum();
+    if shown < LEAST_SHARE * figure {
+        all.clear();
     }
     Ok(all)
 }
@@ -125,4 +136,80 @@ fn centres() -> impl Iterator<Item = Vec3> {
         let inverted = (0..PARTS - row - 1).map(move |column| cell(row, column, 2.0 / 3.0));
         upright.chain(inverted)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bake::{bake, textured};
+    use super::super::fixture::{Figure, figure};
+    use super::super::reference::reference;
+    use super::super::source_picture::SourcePainter;
+    use super::*;
+    use crate::appearance::Appearance;
+    use crate::item_buffer::Supersampling;
+    use crate::picture::Picture;
+    use articula_core::source::{Image, Material};
+    use glam::Vec4;
+
+    const WHITE: [u8; 4] = [255; 4];
+
+    /// The human under a picture of squares, which repeats.
+    fn checked(level: impl Fn(u32, u32) -> u8) -> Figure {
+        let mut figure = figure();
+        let mesh = std::sync::Arc::make_mut(&mut figure.asset.mesh);
+        mesh.colors.fill(Vec4::ONE);
+        mesh.parts
+            .iter_mut()
+            .for_each(|part| part.material = Some(0));
+        for (at, place) in mesh.texcoords.iter_mut().zip(&mesh.positions) {
+            *at = Vec2::new(place.x, place.y) * 3.0;
+        }
+        let level = &level;
+        let pixels = (0..64).flat_map(|y| (0..64).map(move |x| [level(x, y), 60, 90, 255]));
+        let picture = Picture::from_pixels(64, 64, pixels.collect()).unwrap();
+        let image = Image {
+            bytes: picture.to_png().unwrap(),
+            ..Image::default()
+        };
+        let material = Material {
+            base_color_image: Some(0),
+            ..Material::default()
+        };
+        figure.appearance = Appearance::new(&[material], &[image]).0;
+        figure
+    }
+
+    #[test]
+    fn the_picture_shows_what_vertex_colours_do_not() {
+        let squares = |x: u32, y: u32| if (x / 16 + y / 16) % 2 == 0 { 0 } else { 220 };
+        let figure = checked(squares);
+        let (subject, options) = (figure.subject(), &figure.options);
+        let plain = bake(&subject, &[0.0], options).unwrap();
+        let clip = textured(plain.clone(), &subject, options).unwrap();
+        clip.check().unwrap();
+        let mut painter = SourcePainter::new(&subject, options).unwrap();
+        painter.pose(0.0);
+        let truth = painter.textured(WHITE).unwrap();
+        let off = |clip: &PlanarClip| {
+            let shown = reference(clip, 0, Supersampling::Four, WHITE).unwrap();
+            crate::compare::rmse(&truth, &shown).unwrap()
+        };
+        let (with, without) = (off(&clip), off(&plain));
+        assert!(with < 0.4 * without, "{with} {without}");
+        assert!(clip.textured_share() > 0.3);
+        // The clip of other triangles is refused.
+        let mut other = plain;
+        other.triangles.pop();
+        assert!(textured(other, &subject, options).is_err());
+    }
+
+    #[test]
+    fn one_colour_needs_no_picture() {
+        let figure = checked(|_, _| 80);
+        let (subject, options) = (figure.subject(), &figure.options);
+        let plain = bake(&subject, &[0.0], options).unwrap();
+        let clip = textured(plain.clone(), &subject, options).unwrap();
+        assert_eq!(clip, plain);
+        assert_eq!(clip.textured_share(), 0.0);
+    }
 }

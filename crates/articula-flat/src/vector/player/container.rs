@@ -3,13 +3,11 @@
 //! Source: `docs/methods/vector.md` 8.3, `docs/formats/artv.md` (byte by byte).
 
 use super::clip::PlayerClip;
+use super::deflate::smallest;
 use super::stream::Writer;
 use super::topology::{parents, wedge_parents};
 use crate::low_rank::quantised::QuantisedComponent;
 use crate::planar::shading::Shading;
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
-use std::io::Write;
 
 /// First bytes of a container.
 pub(crate) const MAGIC: [u8; 4] = *b"ARTV";
@@ -93,36 +91,9 @@ pub(crate) fn encode_parts(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
     (packed(&to.0), sizes)
 }
 
-/// Bytes after which a new Deflate block, with a code for the numbers that follow, may be smaller.
-const BLOCK_BYTES: usize = 8192;
-
-/// The smaller of two Deflate streams: blocks chosen by the encoder, or blocks of a fixed size.
+/// Magic, version and the smallest Deflate stream.
 fn packed(body: &[u8]) -> Vec<u8> {
-    let whole = packed_in(body, usize::MAX);
-    let parts = packed_in(body, BLOCK_BYTES);
-    if parts.len() < whole.len() {
-        parts
-    } else {
-        whole
-    }
-}
-
-fn packed_in(body: &[u8], block: usize) -> Vec<u8> {
-    let mut out = MAGIC.to_vec();
-    out.push(VERSION);
-    let mut encoder = ZlibEncoder::new(out, Compression::best());
-    let mut write = || -> std::io::Result<()> {
-        for (i, part) in body.chunks(block).enumerate() {
-            if i > 0 {
-                encoder.flush()?;
-            }
-            encoder.write_all(part)?;
-        }
-        Ok(())
-    };
-    // Writing into a vector does not fail.
-    let done = write().and_then(|()| encoder.finish());
-    done.unwrap_or_default()
+    [&MAGIC[..], &[VERSION], &smallest(body)].concat()
 }
 
 fn header(to: &mut Writer, clip: &PlayerClip) {

@@ -7,9 +7,11 @@
 //! - [`PlayerOutput`]: SVG or module, with the player's script
 //! - [`PlayerError`]: errors of malformed containers
 
+mod canvas;
 mod clip;
 mod container;
 mod decode;
+mod deflate;
 mod error;
 mod first_frame;
 mod fit;
@@ -29,5 +31,6 @@ pub use error::PlayerError;
 pub use live::LiveSource;
 pub use page::PlayerOutput;
 
+pub(crate) use canvas::on_canvas;
 pub(crate) use live::live_player;
 pub(crate) use make::{PlayerOptions, player};

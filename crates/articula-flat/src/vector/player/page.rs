@@ -96,7 +96,7 @@ mod tests {
             (Shading::Gouraud, true, true),
         ] {
             let script = script_for(shading, live, texture);
-            let most = if texture { 3300 } else { 2500 };
+            let most = if texture { 3600 } else { 2500 };
             assert!(script.len() < most, "{} bytes", script.len());
             assert_eq!(script.contains("createPattern"), texture);
             // CDATA must not end early, and a comment must not swallow the rest.

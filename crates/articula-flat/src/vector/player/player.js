@@ -55,7 +55,14 @@ J={},
 S=(I.map((i,k)=>(J[[W[i],y(k)]]??=[]).push(k/3|0)),I.map((i,k)=>J[[y(k),W[i]]]||[])),
 x=c.getContext("2d"),
 //+texture
-pt=x.createPattern(im,"repeat"),
+// the picture in sixteenths of full light, as a pattern; those that were asked for
+pt=[],
+pl=k=>{if(!pt[k]){let{width:w,height:h}=im,b=new OffscreenCanvas(w,h),y=b.getContext("2d");
+y.drawImage(im,0,0);
+y.globalCompositeOperation="source-atop";
+y.fillStyle=Q([255-k*255/16]);
+y.fillRect(0,0,w,h);
+pt[k]=x.createPattern(b,"repeat")}return pt[k]},
 //-
 Z=c.getBoundingClientRect().width*devicePixelRatio/w||1,
 //+texture
@@ -89,9 +96,10 @@ z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8*hypot(...a):0);
 x.beginPath();
 P.map(([a,b],i)=>{let k=(i+2)%3,X=(z[k]*N[i][1]-z[i]*N[k][1])/A,Y=(N[k][0]*z[i]-N[i][0]*z[k])/A,s=min(1,2/hypot(X,Y));x.lineTo(a+X*s,b+Y*s)});
 //+texture
-// the map from the picture to the canvas; light is black over it, where the canvas is painted
+// the picture in the most light, in sixteenths, mapped to the canvas; less light is black over it
+let u=min(16,max(1,Math.ceil(16*max(...j.map(i=>v[2*n+i]/l))-.1)));
 if(tx[t]){
-let[[a,b],[c,d],[e,f]]=j.map(i=>uv[i]),
+let pt=pl(u),[[a,b],[c,d],[e,f]]=j.map(i=>uv[i]),
 [[g,h],[k,l],[m,o]]=P,
 D=(c-a)*(f-b)-(e-a)*(d-b)||1,
 q=(g,k,m)=>[((k-g)*(f-b)-(m-g)*(d-b))/D,((m-g)*(c-a)-(k-g)*(e-a))/D],
@@ -104,7 +112,7 @@ x.globalCompositeOperation="source-atop"}
 //+gouraud
 // colours; square of how far the other two corners' are apart; from i to b they are farthest
 //+texture
-let q=j.map(i=>tx[t]?[255-255*v[2*n+i]/l]:C[i].map(x=>x*v[2*n+i]/l)),
+let q=j.map(i=>tx[t]?[255-255*16/u*v[2*n+i]/l]:C[i].map(x=>x*v[2*n+i]/l)),
 //+plain
 let q=j.map(i=>C[i].map(x=>x*v[2*n+i]/l)),
 //+gouraud

@@ -56,8 +56,10 @@ fn textured_cube() -> (PlanarClip, PlayerFile) {
     let picture = Picture::from_pixels(32, 32, pixels.collect()).unwrap();
     cube.texture = Some(PlanarTexture {
         picture: std::sync::Arc::new(picture),
-        places: (0..8)
-            .map(|v| glam::Vec2::new(3.0 + 9.0 * (v % 4) as f32, 2.0 + 27.0 * (v / 4) as f32))
+        // A slanted view of the cube, so that no side is a line.
+        places: (0..8u8)
+            .map(|v| [v & 1, v >> 1 & 1, v >> 2 & 1].map(f32::from))
+            .map(|[x, y, z]| glam::Vec2::new(3.0 + 18.0 * x + 8.0 * z, 2.0 + 18.0 * y + 8.0 * z))
             .collect(),
         shows: (0..12).map(|t| t > 1).collect(),
     });
@@ -98,6 +100,23 @@ fn a_picture_comes_back_and_is_painted() {
     let painting = Painting::per_frame(&cube, &drawn).unwrap();
     let filled = player(&cube, &drawn, &painting, &flat()).unwrap();
     assert!(decode(&filled.container).unwrap().texture.is_none());
+}
+
+#[test]
+fn what_is_drawn_edge_by_edge_is_near_the_ideal() {
+    let plain = cube_file(&PlayerOptions::default());
+    for (cube, container) in [(plain.0, plain.3.container), {
+        let (cube, file) = textured_cube();
+        (cube, file.container)
+    }] {
+        let clip = decode(&container).unwrap();
+        for f in [0, 7, 23] {
+            let truth = reference(&cube, f, Supersampling::Four, [255; 4]).unwrap();
+            let drawn = on_canvas(&clip, f as f64, [255; 4]).unwrap();
+            let rmse = crate::compare::rmse(&truth, &drawn).unwrap();
+            assert!(rmse < 6.0, "{rmse} in frame {f}");
+        }
+    }
 }
 
 #[test]
