@@ -22,7 +22,7 @@ const UNDERLAP_PX: f32 = 0.8;
 /// Strengths of light in which there are pictures.
 const LIGHTS: f32 = 16.0;
 /// Maximum displacement of a corner, pixels.
-const FARTHEST_PX: f32 = 2.0;
+const FARTHEST_PX: f32 = 1.6;
 
 /// The picture that the script shows at a time in frames, over a background.
 ///

@@ -92,9 +92,9 @@ let j=I.slice(3*t,3*t+3),
 P=j.map(i=>[v[2*W[i]],v[2*W[i]+1]]),
 N=P.map((a,i)=>{let b=P[(i+1)%3];return[a[1]-b[1],b[0]-a[0]]}),
 A=N[0][0]*N[1][1]-N[0][1]*N[1][0]||1,
-z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8*hypot(...a):0);
+z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8/Z**.5*hypot(...a):0);
 x.beginPath();
-P.map(([a,b],i)=>{let k=(i+2)%3,X=(z[k]*N[i][1]-z[i]*N[k][1])/A,Y=(N[k][0]*z[i]-N[i][0]*z[k])/A,s=min(1,2/hypot(X,Y));x.lineTo(a+X*s,b+Y*s)});
+P.map(([a,b],i)=>{let k=(i+2)%3,X=(z[k]*N[i][1]-z[i]*N[k][1])/A,Y=(N[k][0]*z[i]-N[i][0]*z[k])/A,s=min(1,1.6/Z**.5/hypot(X,Y));x.lineTo(a+X*s,b+Y*s)});
 //+texture
 // the picture in the most light, in sixteenths, mapped to the canvas; less light is black over it
 let u=min(16,max(1,Math.ceil(16*max(...j.map(i=>v[2*n+i]/l))-.1)));
