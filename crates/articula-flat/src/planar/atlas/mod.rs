@@ -21,10 +21,15 @@ use std::sync::Arc;
 /// Root mean square difference between texture and vertex colours, in levels, up to which a triangle
 /// shows its vertex colours.
 const PLAIN_RMS_LEVELS: f32 = 5.0;
+/// Difference at one of the places that are compared from which a triangle shows its texture, in
+/// levels: a small mark on a large triangle has little weight in the mean.
+const MARK_LEVELS: f32 = 48.0;
 /// Least share of the area of all drawn triangles in which a picture is worth its bytes and its script.
 const LEAST_SHARE: f32 = 0.005;
-/// Subdivisions of each side of a triangle at whose centres colours are compared.
-const PARTS: usize = 6;
+/// Least and greatest subdivisions of each side of a triangle at whose centres colours are compared.
+const PARTS: (usize, usize) = (6, 32);
+/// Pixels of the screen along each side of a part of a large triangle.
+const PART_PX: f32 = 2.0;
 
 /// The picture of a clip whose vertices are these vertices of the subject's mesh; `None` if no
 /// triangle needs one.
@@ -95,7 +100,7 @@ fn shown_triangles(
             pixels,
             surface: clip.surface[t],
         };
-        if shown.is_usable() && rms_levels(clip, painter, &shown) > PLAIN_RMS_LEVELS {
+        if shown.is_usable() && has_detail(clip, painter, &shown) {
             all.push(shown);
         }
     }
@@ -111,29 +116,36 @@ fn area([a, b, c]: &[Vec2; 3]) -> f32 {
     (*b - *a).perp_dot(*c - *a) / 2.0
 }
 
-/// Root mean square difference between the vertex colours of a triangle and its texture.
-fn rms_levels(clip: &PlanarClip, painter: &Painter<'_>, shown: &ShownTriangle) -> f32 {
+/// Whether the vertex colours of a triangle do not show its texture.
+fn has_detail(clip: &PlanarClip, painter: &Painter<'_>, shown: &ShownTriangle) -> bool {
     let colors = clip.triangles[shown.triangle].map(|v| Vec3::from(clip.albedo[v as usize]));
-    let level = painter.level_for(&shown.corners, (PARTS * PARTS) as f32);
-    let mut sum = 0.0;
-    for weights in centres() {
+    let parts = (shown.pixels.sqrt() / PART_PX) as usize;
+    let parts = parts.clamp(PARTS.0, PARTS.1);
+    let count = (parts * parts) as f32;
+    let level = painter.level_for(&shown.corners, count);
+    let (mut sum, mut most) = (0.0, 0.0f32);
+    for weights in centres(parts) {
         let (texture, _) = painter.color(&shown.corners, weights, level);
         let plain = colors[0] * weights.x + colors[1] * weights.y + colors[2] * weights.z;
-        sum += texture.distance_squared(plain) / 3.0;
+        let square = texture.distance_squared(plain) / 3.0;
+        sum += square;
+        most = most.max(square);
     }
-    (sum / (PARTS * PARTS) as f32).sqrt()
+    // Of a small triangle, parts are smaller than pixels.
+    let is_marked = shown.pixels > count && most.sqrt() > MARK_LEVELS;
+    (sum / count).sqrt() > PLAIN_RMS_LEVELS || is_marked
 }
 
 /// Barycentric weights of the centroids of the equal triangles that a triangle is divided into.
-fn centres() -> impl Iterator<Item = Vec3> {
-    let cell = |row: usize, column: usize, third: f32| {
+fn centres(parts: usize) -> impl Iterator<Item = Vec3> {
+    let cell = move |row: usize, column: usize, third: f32| {
         let (u, v) = (row as f32 + third, column as f32 + third);
-        let (u, v) = (u / PARTS as f32, v / PARTS as f32);
+        let (u, v) = (u / parts as f32, v / parts as f32);
         Vec3::new(1.0 - u - v, u, v)
     };
-    (0..PARTS).flat_map(move |row| {
-        let upright = (0..PARTS - row).map(move |column| cell(row, column, 1.0 / 3.0));
-        let inverted = (0..PARTS - row - 1).map(move |column| cell(row, column, 2.0 / 3.0));
+    (0..parts).flat_map(move |row| {
+        let upright = (0..parts - row).map(move |column| cell(row, column, 1.0 / 3.0));
+        let inverted = (0..parts - row - 1).map(move |column| cell(row, column, 2.0 / 3.0));
         upright.chain(inverted)
     })
 }
@@ -156,7 +168,7 @@ mod tests {
     /// The human under a picture of squares, which repeats.
     fn checked(level: impl Fn(u32, u32) -> u8) -> Figure {
         let mut figure = figure();
-        let mesh = std::sync::Arc::make_mut(&mut figure.asset.mesh);
+        let mesh = Arc::make_mut(&mut figure.asset.mesh);
         mesh.colors.fill(Vec4::ONE);
         mesh.parts
             .iter_mut()

@@ -21,8 +21,6 @@ use std::collections::BTreeMap;
 const UNDERLAP_PX: f32 = 0.8;
 /// Strengths of light in which there are pictures.
 const LIGHTS: f32 = 16.0;
-/// Maximum displacement of a corner, pixels.
-const FARTHEST_PX: f32 = 1.6;
 
 /// The picture that the script shows at a time in frames, over a background.
 ///
@@ -218,21 +216,21 @@ impl Fill {
         }
     }
 
+    /// The triangle with a strip along each edge that moves, without corners between strips: they
+    /// would stick out as thorns where triangles are thin.
     fn outline(&self, moves: [bool; 3]) -> Option<Path> {
-        let distance =
-            |i: usize| f32::from(u8::from(moves[i])) * UNDERLAP_PX * self.normals[i].length();
         let mut path = PathBuilder::new();
-        for (i, corner) in self.corners.iter().enumerate() {
-            let k = (i + 2) % 3;
-            let (here, before) = (self.normals[i], self.normals[k]);
-            let off = Vec2::new(
-                distance(k) * here.y - distance(i) * before.y,
-                before.x * distance(i) - here.x * distance(k),
-            ) / self.area;
-            let to = *corner + off * (FARTHEST_PX / off.length()).min(1.0);
-            match i {
-                0 => path.move_to(to.x, to.y),
-                _ => path.line_to(to.x, to.y),
+        for (i, moves) in moves.into_iter().enumerate() {
+            let normal = self.normals[i];
+            let off = match moves && normal != Vec2::ZERO {
+                true => normal * (UNDERLAP_PX / normal.length()),
+                false => Vec2::ZERO,
+            };
+            for to in [i, (i + 1) % 3].map(|k| self.corners[k] + off) {
+                match path.is_empty() {
+                    true => path.move_to(to.x, to.y),
+                    false => path.line_to(to.x, to.y),
+                }
             }
         }
         path.close();

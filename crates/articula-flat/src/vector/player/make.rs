@@ -8,7 +8,9 @@ use super::fit::{Errors, Numbers, fit};
 use super::page::{PlayerOutput, page, script};
 use super::texture::PlayerTexture;
 use super::topology::Topology;
+use crate::error::PictureError;
 use crate::low_rank::quantised::Quantised;
+use crate::picture::Picture;
 use crate::planar::shading::Shading;
 use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
 use glam::Vec2;
@@ -37,8 +39,8 @@ impl Default for PlayerOptions {
     }
 }
 
-/// Quality of the picture that triangles show.
-const PICTURE_QUALITY: u8 = 75;
+/// Qualities of the picture that triangles show, from the usual one on.
+const PICTURE_QUALITIES: [u8; 3] = [75, 80, 70];
 
 /// Statistics of a written player file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -238,12 +240,22 @@ fn texture(
             places[wedge] = texture.places[topology.wedge_vertices[wedge] as usize];
         }
     }
-    let file = texture.picture.to_webp(PICTURE_QUALITY)?;
+    let file = picture_file(&texture.picture)?;
     let made = PlayerTexture::new(file, shows, places.into_iter());
     made.map(Some).map_err(|e| PlanarError::Mismatch {
         at: "texture",
         what: e.to_string(),
     })
+}
+
+/// A picture as a file: lossy, or without loss if no quality gives a file that can be decoded. The
+/// encoder fails for some pictures.
+fn picture_file(picture: &Picture) -> Result<Vec<u8>, PictureError> {
+    let lossy = PICTURE_QUALITIES.into_iter().find_map(|quality| {
+        let file = picture.to_webp(quality).ok()?;
+        Picture::decode(&file).is_ok().then_some(file)
+    });
+    lossy.map_or_else(|| picture.to_lossless_webp(), Ok)
 }
 
 /// Albedo of wedges, or mean colours of triangles over the frames in which they are drawn.

@@ -27,14 +27,12 @@ pub enum PlayerOutput {
 
 /// Minified script for a clip.
 pub(super) fn script(clip: &PlayerClip) -> String {
-    script_for(
-        clip.shading,
-        !clip.inputs.is_empty(),
-        clip.texture.is_some(),
-    )
+    let parts = [!clip.inputs.is_empty(), clip.texture.is_some()];
+    script_for(clip.shading, parts)
 }
 
-fn script_for(shading: Shading, is_live: bool, has_texture: bool) -> String {
+/// The script for a shading, with inputs and with a picture.
+fn script_for(shading: Shading, [is_live, has_texture]: [bool; 2]) -> String {
     let is_gouraud = shading == Shading::Gouraud;
     let mut script = String::new();
     let mut is_wanted = true;
@@ -95,7 +93,7 @@ mod tests {
             (Shading::Gouraud, false, true),
             (Shading::Gouraud, true, true),
         ] {
-            let script = script_for(shading, live, texture);
+            let script = script_for(shading, [live, texture]);
             let most = if texture { 3600 } else { 2500 };
             assert!(script.len() < most, "{} bytes", script.len());
             assert_eq!(script.contains("createPattern"), texture);

@@ -66,9 +66,9 @@ pt[k]=x.createPattern(b,"repeat")}return pt[k]},
 //-
 Z=c.getBoundingClientRect().width*devicePixelRatio/w||1,
 //+texture
-Q=q=>q[1]+1?`rgb(${q.map(x=>x+.5|0)})`:`rgba(0,0,0,${q/255})`,
+Q=q=>q[1]+1?`rgb(${q})`:`rgba(0,0,0,${q/255})`,
 //+plain
-Q=q=>`rgb(${q.map(x=>x+.5|0)})`,
+Q=q=>`rgb(${q})`,
 //-
 // draws a moment, in frames
 f=t=>{
@@ -87,14 +87,14 @@ x.clearRect(0,0,w,h);
 O.findLast(o=>o[0]<=y)[1].map(t=>{if(D[t]){
 // what is still in D comes later
 D[t]=0;
-// wedges, places, outward normals as long as their edges, twice the area, how far edges move out
+// wedges, places, outward normals as long as their edges, twice the area, parts of normals by which edges move out
 let j=I.slice(3*t,3*t+3),
 P=j.map(i=>[v[2*W[i]],v[2*W[i]+1]]),
 N=P.map((a,i)=>{let b=P[(i+1)%3];return[a[1]-b[1],b[0]-a[0]]}),
 A=N[0][0]*N[1][1]-N[0][1]*N[1][0]||1,
-z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8/Z**.5*hypot(...a):0);
+z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8/Z**.5/hypot(...a):0);
 x.beginPath();
-P.map(([a,b],i)=>{let k=(i+2)%3,X=(z[k]*N[i][1]-z[i]*N[k][1])/A,Y=(N[k][0]*z[i]-N[i][0]*z[k])/A,s=min(1,1.6/Z**.5/hypot(X,Y));x.lineTo(a+X*s,b+Y*s)});
+P.map((_,i)=>[i,(i+1)%3].map(k=>x.lineTo(P[k][0]+N[i][0]*z[i],P[k][1]+N[i][1]*z[i])));
 //+texture
 // the picture in the most light, in sixteenths, mapped to the canvas; less light is black over it
 let u=min(16,max(1,Math.ceil(16*max(...j.map(i=>v[2*n+i]/l))-.1)));
