@@ -72,7 +72,9 @@ fn striped(clip: &PlanarClip) -> PlanarTexture {
     PlanarTexture {
         picture: std::sync::Arc::new(picture),
         places: clip.frames[0].xy.iter().map(|xy| *xy * scale).collect(),
-        shows: (0..clip.triangles.len()).map(|t| t % 5 != 0).collect(),
+        shows: (0..clip.triangles.len())
+            .map(|t| !t.is_multiple_of(5))
+            .collect(),
     }
 }
 

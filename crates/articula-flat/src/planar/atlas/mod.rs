@@ -193,7 +193,13 @@ mod tests {
 
     #[test]
     fn the_picture_shows_what_vertex_colours_do_not() {
-        let squares = |x: u32, y: u32| if (x / 16 + y / 16) % 2 == 0 { 0 } else { 220 };
+        let squares = |x: u32, y: u32| {
+            if (x / 16 + y / 16).is_multiple_of(2) {
+                0
+            } else {
+                220
+            }
+        };
         let figure = checked(squares);
         let (subject, options) = (figure.subject(), &figure.options);
         let plain = bake(&subject, &[0.0], options).unwrap();
