@@ -28,10 +28,11 @@ mod strays;
 mod written;
 
 pub use crate::local_difference::{JudgedRegion, LocalDifferences, WorstDifference};
+pub use crate::vector::player::ShownTexture;
 pub use live::flatten_live;
 pub use prepared::{PrepareClipOptions, PreparedClip};
 pub use reference_frames::{ImageError, ReferenceFrames, sampled_frames};
-pub use report::{FileErrors, FileSize, Representation, ShownTexture};
+pub use report::{FileErrors, FileSize, Representation};
 pub use search::{Flattened, TriedQuality, Unmeasured, flatten, flatten_unmeasured};
 pub use settings::{Profile, Quality, Settings};
 pub use source_frames::{DroppedDetail, SourceFrames, SourceTime, dropped_detail};

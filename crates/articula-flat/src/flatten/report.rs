@@ -49,17 +49,6 @@ impl FileSize {
     }
 }
 
-/// The picture that triangles of a player file show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ShownTexture {
-    /// Number of triangles that show it.
-    pub triangles: usize,
-    /// Width and height, pixels.
-    pub size_px: (u32, u32),
-    /// Size of the picture, bytes.
-    pub bytes: u64,
-}
-
 /// Errors of a converted file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FileErrors {

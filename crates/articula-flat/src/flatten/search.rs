@@ -7,12 +7,13 @@
 
 use super::prepared::PreparedClip;
 use super::reference_frames::{ImageError, ReferenceFrames};
-use super::report::{FileErrors, FileSize, Representation, ShownTexture};
+use super::report::{FileErrors, FileSize, Representation};
 use super::settings::{Profile, Quality, Settings};
 use super::source_frames::DroppedDetail;
 use super::written::{Written, write};
 use crate::planar::PlanarError;
 use crate::planar::shading::Shading;
+use crate::vector::player::ShownTexture;
 use articula_core::Progress;
 
 /// A converted file with its size and error.

@@ -6,7 +6,6 @@
 
 use super::pages::pages;
 use super::prepared::PreparedClip;
-use super::report::ShownTexture;
 use super::settings::{Profile, Quality};
 use super::source_frames::BACKGROUND;
 use super::strays::{self, Strays};
@@ -20,7 +19,7 @@ use crate::planar::underlap::{UnderlapOptions, seal};
 use crate::vector::AnimatedSvg;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie;
-use crate::vector::player::{PlayerClip, PlayerOptions, decode, on_canvas, player};
+use crate::vector::player::{PlayerClip, PlayerOptions, ShownTexture, decode, on_canvas, player};
 use crate::vector::smil;
 use crate::vector::still::{StillOptions, still};
 use crate::vector::thesis::{

@@ -4,7 +4,6 @@
 //! light multiplies sRGB levels, since vector players blend in sRGB. Colours of textured vertices
 //! are fitted to the texture in the triangles around them.
 
-use super::atlas::atlas;
 use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 use super::error::PlanarError;
 use super::subject::PlanarSubject;
@@ -106,29 +105,6 @@ pub fn bake(
     Ok(clip)
 }
 
-/// Adds to a clip that [`bake`] or [`bake_shapes`] made of a subject a picture of what its vertex
-/// colours do not show of the textures ([`PlanarClip::texture`]).
-///
-/// O(frames x samples covered).
-///
-/// # Errors
-/// [`PlanarError::Mismatch`] for the clip of another subject; errors of the clip;
-/// [`PlanarError::NothingVisible`].
-pub fn textured(
-    mut clip: PlanarClip,
-    subject: &PlanarSubject<'_>,
-    options: &BakeOptions,
-) -> Result<PlanarClip, PlanarError> {
-    let (same, sources) = still_parts(subject, options)?;
-    if same.triangles != clip.triangles {
-        let what = "the clip was not made of this subject".to_owned();
-        return Err(PlanarError::Mismatch { at: "clip", what });
-    }
-    let vertices: Vec<u32> = sources.iter().map(|source| source.vertex).collect();
-    clip.texture = atlas(&clip, &Painter::new(subject), &vertices)?;
-    Ok(clip)
-}
-
 /// Projects and lights the rest pose as [`bake`] does, one frame for each set of morph weights.
 ///
 /// O(shapes x vertices).
@@ -166,15 +142,15 @@ pub fn bake_shapes(
 
 /// Source of a planar vertex: a vertex of the mesh and the side it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct SourceVertex {
-    vertex: u32,
+pub(super) struct SourceVertex {
+    pub(super) vertex: u32,
     is_back: bool,
     /// Bits of the share of its colour that does not depend on the light.
     own_light: u32,
 }
 
 /// The parts of the clip that are constant over time.
-fn still_parts(
+pub(super) fn still_parts(
     subject: &PlanarSubject<'_>,
     options: &BakeOptions,
 ) -> Result<(PlanarClip, Vec<SourceVertex>), PlanarError> {

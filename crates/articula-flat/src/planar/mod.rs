@@ -45,7 +45,8 @@ mod tunnel;
 pub(crate) mod underlap;
 mod vertex_colors;
 
-pub use bake::{BakeOptions, Lighting, Turntable, bake, bake_shapes, textured};
+pub use atlas::textured;
+pub use bake::{BakeOptions, Lighting, Turntable, bake, bake_shapes};
 pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 pub use contrast::color_contrast;
 pub(crate) use drawn::Drawn;

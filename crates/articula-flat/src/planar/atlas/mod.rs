@@ -9,10 +9,11 @@ mod charts;
 mod packed;
 mod painted;
 
-use super::bake::Painter;
+use super::bake::{BakeOptions, Painter, still_parts};
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
+use super::subject::PlanarSubject;
 use super::texture::PlanarTexture;
 use charts::{Charts, ShownTriangle};
 use glam::{Vec2, Vec3};
@@ -31,6 +32,29 @@ const PARTS: (usize, usize) = (6, 32);
 /// Pixels of the screen along each side of a part of a large triangle.
 const PART_PX: f32 = 2.0;
 
+/// Adds to a clip that [`bake`](super::bake()) or [`bake_shapes`](super::bake_shapes) made of a subject a picture of what its vertex
+/// colours do not show of the textures ([`PlanarClip::texture`]).
+///
+/// O(frames x samples covered).
+///
+/// # Errors
+/// [`PlanarError::Mismatch`] for the clip of another subject; errors of the clip;
+/// [`PlanarError::NothingVisible`].
+pub fn textured(
+    mut clip: PlanarClip,
+    subject: &PlanarSubject<'_>,
+    options: &BakeOptions,
+) -> Result<PlanarClip, PlanarError> {
+    let (same, sources) = still_parts(subject, options)?;
+    if same.triangles != clip.triangles {
+        let what = "the clip was not made of this subject".to_owned();
+        return Err(PlanarError::Mismatch { at: "clip", what });
+    }
+    let vertices: Vec<u32> = sources.iter().map(|source| source.vertex).collect();
+    clip.texture = atlas(&clip, &Painter::new(subject), &vertices)?;
+    Ok(clip)
+}
+
 /// The picture of a clip whose vertices are these vertices of the subject's mesh; `None` if no
 /// triangle needs one.
 ///
@@ -38,7 +62,7 @@ const PART_PX: f32 = 2.0;
 ///
 /// # Errors
 /// Errors of the clip; [`PlanarError::NothingVisible`].
-pub(super) fn atlas(
+fn atlas(
     clip: &PlanarClip,
     painter: &Painter<'_>,
     sources: &[u32],
@@ -152,7 +176,7 @@ fn centres(parts: usize) -> impl Iterator<Item = Vec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bake::{bake, textured};
+    use super::super::bake::bake;
     use super::super::fixture::{Figure, figure};
     use super::super::reference::reference;
     use super::super::source_picture::SourcePainter;

@@ -2,8 +2,7 @@
 //!
 //! Source: `docs/methods/vector.md` 8.3.
 
-use super::texture::PlayerTexture;
-use crate::flatten::ShownTexture;
+use super::texture::{PlayerTexture, ShownTexture};
 use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
 use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial, PlanarTexture};

@@ -5,6 +5,7 @@
 //! - [`PlayerClip`]: content of the container; [`encode`] and [`decode`] write and read it
 //! - [`LiveSource`]: a clip that named inputs drive
 //! - [`PlayerOutput`]: SVG or module, with the player's script
+//! - [`ShownTexture`]: what a file tells of the picture that its triangles show
 //! - [`PlayerError`]: errors of malformed containers
 
 mod canvas;
@@ -30,6 +31,7 @@ pub use decode::decode;
 pub use error::PlayerError;
 pub use live::LiveSource;
 pub use page::PlayerOutput;
+pub use texture::ShownTexture;
 
 pub(crate) use canvas::on_canvas;
 pub(crate) use live::live_player;

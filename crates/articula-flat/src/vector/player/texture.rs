@@ -14,6 +14,17 @@ pub(super) const STEPS_PER_PIXEL: f32 = 4.0;
 /// Maximum absolute texture coordinate, in steps.
 const MAX_PLACE: i32 = 1 << 18;
 
+/// The picture that triangles of a player file show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ShownTexture {
+    /// Number of triangles that show it.
+    pub triangles: usize,
+    /// Width and height, pixels.
+    pub size_px: (u32, u32),
+    /// Size of the picture, bytes.
+    pub bytes: u64,
+}
+
 /// A picture, and the places in it that wedges show.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlayerTexture {
