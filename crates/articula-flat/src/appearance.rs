@@ -154,6 +154,12 @@ impl WrappedTexture<'_> {
         self.texture.level_for(texture_area, pixels)
     }
 
+    /// Width and height, texels.
+    pub(crate) fn size(&self) -> Vec2 {
+        let full = &self.texture.levels[0];
+        Vec2::new(full.width() as f32, full.height() as f32)
+    }
+
     /// As [`Texture::sample`], with the texture's own continuation.
     pub(crate) fn sample(&self, at: Vec2, level: usize) -> Vec4 {
         self.texture.sample(at, level, self.wrap)

@@ -47,6 +47,7 @@
 //!     part: vec![0],
 //!     surfaces: vec![PlanarMaterial { name: "red".into(), albedo: Some([200, 30, 30]) }],
 //!     albedo: vec![[200.0, 30.0, 30.0]; 3],
+//!     texture: None,
 //! };
 //! let frames: Vec<f64> = (0..10).map(f64::from).collect();
 //! let mut progress = Progress::none();

@@ -173,6 +173,34 @@ fn a_painted_smile_does_not_vanish_unnoticed() {
 }
 
 #[test]
+fn the_player_shows_a_painted_smile() {
+    let here = folder("flatten-smile-player");
+    face(&here.join("smile.gltf"), true);
+    let player = |more: &[&str]| {
+        let all = ["flatten", "smile.gltf", "smile.svg", "--profile", "player"];
+        json(&here, &[&all[..], more].concat())
+    };
+    let shown = player(&[]);
+    assert!(shown["texture"]["triangles"].as_u64() >= Some(1));
+    assert_eq!(shown["dropped_detail"], object!([]));
+    assert_eq!(warnings(&shown), Vec::<&str>::new());
+    let plain = player(&["--texture", "none"]);
+    assert!(plain.get("texture").is_none());
+    let told = warnings(&plain);
+    let dropped = told.iter().find(|w| w.contains("was dropped"));
+    assert!(dropped.unwrap().contains("--texture none"), "{told:?}");
+    let of = |report: &Value| report["error"]["local"]["face"]["delta_e"].as_f64();
+    let (shown, plain) = (of(&shown).unwrap(), of(&plain).unwrap());
+    assert!(shown < 0.5 * plain, "{shown} {plain}");
+    // Other profiles have no textures.
+    let refused = crate::program::articula(
+        &here,
+        &["flatten", "smile.gltf", "smile.json", "--texture", "none"],
+    );
+    assert!(refused.err.contains("--texture"), "{}", refused.err);
+}
+
+#[test]
 fn the_largest_local_difference_decides_count_and_weights() {
     let here = folder("flatten-judged");
     let asset = |name: &str| -> PathBuf {

@@ -8,10 +8,8 @@ use super::reference_frames::ReferenceFrames;
 use super::report::{FileErrors, FileSize};
 use super::search::{Flattened, TriedQuality};
 use super::settings::{Profile, Settings};
-use super::source_frames::BACKGROUND;
-use crate::item_buffer::Supersampling;
+use super::written::played_picture;
 use crate::planar::PlanarError;
-use crate::planar::reference::reference;
 use crate::vector::player::{LiveSource, PlayerOptions, PlayerOutput, decode, live_player};
 use articula_core::Progress;
 
@@ -43,10 +41,7 @@ pub fn flatten_live(
         at: "player",
         what: e.to_string(),
     })?;
-    let shown = |frame| {
-        let painted = clip.painted(frame);
-        Ok(reference(&painted, 0, Supersampling::Four, BACKGROUND)?)
-    };
+    let shown = |frame| played_picture(&clip, frame);
     progress.step(0.5)?;
     let image = truth.compare(shown, &mut progress.part(0.5, 1.0))?;
     let bytes = file.text.into_bytes();
@@ -72,6 +67,7 @@ pub fn flatten_live(
         keys: 0,
         shapes: file.stats.triangles,
         orders: 1,
+        texture: clip.shown_texture(),
         tried: vec![TriedQuality {
             quality,
             bytes: raw,

@@ -28,6 +28,7 @@ mod strays;
 mod written;
 
 pub use crate::local_difference::{JudgedRegion, LocalDifferences, WorstDifference};
+pub use crate::vector::player::ShownTexture;
 pub use live::flatten_live;
 pub use prepared::{PrepareClipOptions, PreparedClip};
 pub use reference_frames::{ImageError, ReferenceFrames, sampled_frames};

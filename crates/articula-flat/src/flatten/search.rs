@@ -13,6 +13,7 @@ use super::source_frames::DroppedDetail;
 use super::written::{Written, write};
 use crate::planar::PlanarError;
 use crate::planar::shading::Shading;
+use crate::vector::player::ShownTexture;
 use articula_core::Progress;
 
 /// A converted file with its size and error.
@@ -40,6 +41,8 @@ pub struct Flattened {
     pub shapes: usize,
     /// Number of painting orders, one after the other.
     pub orders: usize,
+    /// The picture that triangles show; only in files of the player.
+    pub texture: Option<ShownTexture>,
     /// Bytes by which the smallest file misses the budget; `None` if the budget is kept.
     pub bytes_over: Option<u64>,
     /// Settings that the search tried; one without a budget.
@@ -204,6 +207,7 @@ pub fn flatten(
         keys: written.keys,
         shapes: written.shapes,
         orders: prepared.painting.epochs.len(),
+        texture: written.texture(),
         bytes: written.bytes,
         tried,
         dropped_detail: Vec::new(),

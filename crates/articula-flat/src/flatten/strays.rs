@@ -96,6 +96,7 @@ fn unsealed(prepared: &PreparedClip, frame: usize) -> PlanarClip {
         part: vec![0; order.len()],
         surfaces: clip.surfaces.clone(),
         albedo: Vec::with_capacity(3 * order.len()),
+        texture: None,
     };
     let (from, to) = (&clip.frames[frame], &mut out.frames[0]);
     for (rank, t) in order.iter().enumerate() {

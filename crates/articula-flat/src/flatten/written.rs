@@ -19,7 +19,7 @@ use crate::planar::underlap::{UnderlapOptions, seal};
 use crate::vector::AnimatedSvg;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie;
-use crate::vector::player::{PlayerClip, PlayerOptions, decode, player};
+use crate::vector::player::{PlayerClip, PlayerOptions, ShownTexture, decode, on_canvas, player};
 use crate::vector::smil;
 use crate::vector::still::{StillOptions, still};
 use crate::vector::thesis::{
@@ -102,9 +102,7 @@ impl Written {
         Ok(match &self.shown {
             ReadBack::Moving(moving) => raster(&moving.at(secs)?, BACKGROUND)?,
             ReadBack::Still(text) => raster(text, BACKGROUND)?,
-            ReadBack::Player(clip) => {
-                reference(&clip.painted(frame), 0, Supersampling::Four, BACKGROUND)?
-            }
+            ReadBack::Player(clip) => played_picture(clip, frame)?,
             ReadBack::Naive(
                 options @ ThesisSvgOptions {
                     form: ThesisForm::GouraudStill { frame },
@@ -117,6 +115,27 @@ impl Written {
             }
         })
     }
+}
+
+impl Written {
+    /// The picture that triangles of the file show.
+    pub(super) fn texture(&self) -> Option<ShownTexture> {
+        match &self.shown {
+            ReadBack::Player(clip) => clip.shown_texture(),
+            _ => None,
+        }
+    }
+}
+
+/// What the player shows at a time in frames: with a picture, as its script draws it.
+///
+/// # Errors
+/// [`PlanarError::Picture`] if it cannot be drawn.
+pub(super) fn played_picture(clip: &PlayerClip, frame: f64) -> Result<Picture, PlanarError> {
+    Ok(match clip.shown_texture() {
+        Some(_) => on_canvas(clip, frame, BACKGROUND)?,
+        None => reference(&clip.painted(frame), 0, Supersampling::Four, BACKGROUND)?,
+    })
 }
 
 /// Maximum number of frames in which stray pixels are counted.

@@ -11,7 +11,7 @@ use super::vertex_colors::{SurfaceColor, fitted};
 use crate::projection::{Projection, Screen};
 use articula_core::source::Material;
 use articula_core::{Camera, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 /// Minimum distance of a vertex from a perspective camera, metres.
 const NEAREST_M: f32 = 0.01;
@@ -142,15 +142,15 @@ pub fn bake_shapes(
 
 /// Source of a planar vertex: a vertex of the mesh and the side it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct SourceVertex {
-    vertex: u32,
+pub(super) struct SourceVertex {
+    pub(super) vertex: u32,
     is_back: bool,
     /// Bits of the share of its colour that does not depend on the light.
     own_light: u32,
 }
 
 /// The parts of the clip that are constant over time.
-fn still_parts(
+pub(super) fn still_parts(
     subject: &PlanarSubject<'_>,
     options: &BakeOptions,
 ) -> Result<(PlanarClip, Vec<SourceVertex>), PlanarError> {
@@ -180,6 +180,7 @@ fn still_parts(
         part: Vec::new(),
         surfaces: painter.surfaces(),
         albedo: Vec::new(),
+        texture: None,
     };
     let colors = fitted(subject, |triangle| {
         painter.appearance(painter.part_of[triangle[0] as usize])
@@ -277,6 +278,23 @@ impl<'a> Painter<'a> {
         let uv = &mesh.texcoords;
         let at = uv[a] * weights.x + uv[b] * weights.y + uv[c] * weights.z;
         self.appearance_of(triangle).color(vertex, at, level)
+    }
+
+    /// Texture coordinates of a triangle's corners.
+    pub(super) fn texcoords(&self, triangle: &[u32; 3]) -> [Vec2; 3] {
+        triangle.map(|v| self.subject.mesh.texcoords[v as usize])
+    }
+
+    /// Mip level of a triangle's texture for an area of texture space (1 is all of it) on one pixel.
+    pub(super) fn level_of(&self, triangle: &[u32; 3], area: f32) -> usize {
+        let detail = self.appearance_of(triangle).detail();
+        detail.map_or(0, |texture| texture.level_for(area, 1.0))
+    }
+
+    /// Mip level of a triangle's texture if the triangle has this many samples.
+    pub(super) fn level_for(&self, triangle: &[u32; 3], samples: f32) -> usize {
+        let [a, b, c] = self.texcoords(triangle);
+        self.level_of(triangle, (b - a).perp_dot(c - a) / 2.0 / samples)
     }
 
     /// One material for each part of the mesh.
@@ -410,7 +428,7 @@ fn project(
         if corner.w < NEAREST_M {
             return Err(PlanarError::BehindCamera { frame, vertex });
         }
-        out.xy.push(glam::Vec2::new(corner.x, corner.y) / corner.w);
+        out.xy.push(Vec2::new(corner.x, corner.y) / corner.w);
         out.nearness.push(corner.z / corner.w);
         let light = vertex_light(&lighting, normal.dot(toward), source.is_back);
         out.light

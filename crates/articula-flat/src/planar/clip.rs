@@ -4,6 +4,7 @@
 //! linear on the screen under every projection ([`crate::projection`]).
 
 use super::error::PlanarError;
+use super::texture::PlanarTexture;
 use glam::{Vec2, Vec4};
 use std::collections::BTreeMap;
 
@@ -57,6 +58,8 @@ pub struct PlanarClip {
     pub surfaces: Vec<PlanarMaterial>,
     /// sRGB albedo of each vertex in levels, 0 to 255.
     pub albedo: Vec<[f32; 3]>,
+    /// Picture that triangles show instead of their vertices' albedo; only the player draws it.
+    pub texture: Option<PlanarTexture>,
 }
 
 impl PlanarClip {
@@ -104,6 +107,24 @@ impl PlanarClip {
             }
         }
         classes
+    }
+
+    /// Returns the share of the area of all front faces in all frames, hidden ones included, that
+    /// shows the texture; 0 without one.
+    pub fn textured_share(&self) -> f32 {
+        let Some(texture) = &self.texture else {
+            return 0.0;
+        };
+        let (mut shown, mut all) = (0.0, 0.0);
+        for f in 0..self.frames.len() {
+            for (t, is_shown) in texture.shows.iter().enumerate() {
+                let [a, b, c] = self.places(f, t);
+                let front = (-(b - a).perp_dot(c - a)).max(0.0);
+                all += front;
+                shown += if *is_shown { front } else { 0.0 };
+            }
+        }
+        shown / f32::max(all, f32::MIN_POSITIVE)
     }
 
     /// Checks array lengths, indices, limits and that every number is finite.
@@ -159,6 +180,9 @@ impl PlanarClip {
                     self.surfaces.len()
                 ),
             );
+        }
+        if let Some(texture) = &self.texture {
+            texture.check(vertices, triangles)?;
         }
         if !self.fps.is_finite() || self.fps <= 0.0 {
             return mismatch("fps", format!("{}, expected more than 0", self.fps));
@@ -240,6 +264,7 @@ pub(crate) mod fixture {
                 albedo: Some([120, 200, 90]),
             }],
             albedo: vec![[120.0, 200.0, 90.0]; 8],
+            texture: None,
         }
     }
 
@@ -275,6 +300,7 @@ pub(crate) mod fixture {
                 })
                 .collect(),
             albedo,
+            texture: None,
         }
     }
 }

@@ -5,6 +5,7 @@
 //!
 //! - [`PlanarSubject`]: the character that is shown; [`bake()`] skins, projects and lights it into
 //!   a [`PlanarClip`]: position and light of every vertex in every frame
+//! - [`PlanarTexture`]: a picture that triangles of a clip show
 //! - [`PlanarSubject::bounds`], [`PlanarSubject::camera`], [`PlanarSubject::seen`]: bounds, camera
 //!   placement and visible triangles of a moving subject
 //! - [`OrderOptions`]: painting order in epochs; [`OrderComparison`]: wrong pixels of each ordering
@@ -18,6 +19,7 @@
 //! neighbours that are painted later, so that no gap shows; `keyed_clip` stores a few keys instead
 //! of every frame.
 
+mod atlas;
 mod bake;
 pub(crate) mod clip;
 mod contrast;
@@ -39,10 +41,12 @@ pub(crate) mod source_picture;
 pub(crate) mod split;
 mod stage;
 mod subject;
+mod texture;
 mod tunnel;
 pub(crate) mod underlap;
 mod vertex_colors;
 
+pub use atlas::textured;
 pub use bake::{BakeOptions, Lighting, Turntable, bake, bake_shapes};
 pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 pub use contrast::color_contrast;
@@ -54,3 +58,4 @@ pub use reference::reference;
 pub use shading::Shading;
 pub use split::SplitOptions;
 pub use subject::PlanarSubject;
+pub use texture::PlanarTexture;

@@ -6,9 +6,11 @@
 
 use super::clip::PlanarClip;
 use super::drawn::draw_frame;
+use super::texture::PlanarTexture;
 use crate::error::PictureError;
 use crate::item_buffer::{ItemBuffer, Supersampling, barycentric};
 use crate::picture::{Picture, Rgba};
+use glam::Vec2;
 
 /// Renders a frame of a clip over a background; published numbers use 8 x 8 samples per pixel.
 ///
@@ -98,6 +100,9 @@ fn sample(
     let triangle = buffer.item(x, y)? as usize;
     let corners = clip.corners(frame, triangle);
     let weights = barycentric(&corners, buffer.position(x, y))?.to_array();
+    if let Some(texture) = clip.texture.as_ref().filter(|t| t.shows[triangle]) {
+        return Some(textured(clip, frame, texture, (triangle, weights)));
+    }
     let mut color = [0.0, 0.0, 0.0, 255.0];
     for (weight, vertex) in weights.into_iter().zip(clip.triangles[triangle]) {
         let of_vertex = clip.color(frame, vertex);
@@ -106,6 +111,22 @@ fn sample(
         }
     }
     Some(color)
+}
+
+/// The picture at a point of a triangle, in the light there.
+fn textured(
+    clip: &PlanarClip,
+    frame: usize,
+    texture: &PlanarTexture,
+    (triangle, weights): (usize, [f32; 3]),
+) -> [f32; 4] {
+    let (mut place, mut light) = (Vec2::ZERO, 0.0);
+    for (weight, vertex) in weights.into_iter().zip(clip.triangles[triangle]) {
+        place += weight * texture.places[vertex as usize];
+        light += weight * clip.frames[frame].light[vertex as usize];
+    }
+    let levels = texture.at(place).truncate() * light;
+    levels.extend(255.0).to_array()
 }
 
 #[cfg(test)]
@@ -129,6 +150,35 @@ mod tests {
         let clear = reference(&clip, 0, Supersampling::Eight, [0; 4]).unwrap();
         let [r, _, _, a] = clear.get(10, 0).unwrap();
         assert!(r == 100 && (i32::from(a) - 127).abs() <= 5);
+    }
+
+    #[test]
+    fn a_picture_is_shown_in_the_light() {
+        let wide = [[0.0, 0.0, 0.5], [0.0, 40.0, 0.5], [40.0, 0.0, 0.5]];
+        let mut clip = fixture::loose(&[(wide, [9; 3])], 1);
+        clip.frames[0].light = vec![0.5; 3];
+        let pixels = (0..8u8).map(|x| [30 * x, 100, 0, 255]).collect();
+        let texture = PlanarTexture {
+            picture: std::sync::Arc::new(Picture::from_pixels(8, 1, pixels).unwrap()),
+            places: vec![
+                Vec2::new(0.5, 0.5),
+                Vec2::new(0.5, 0.5),
+                Vec2::new(4.5, 0.5),
+            ],
+            shows: vec![true],
+        };
+        clip.texture = Some(texture);
+        clip.check().unwrap();
+        let picture = reference(&clip, 0, Supersampling::Eight, WHITE).unwrap();
+        for x in 0..30u32 {
+            // Ten pixels of the screen for each of the picture, which rises by 30 levels.
+            let expected = 0.5 * 30.0 * (x as f32 + 0.5) / 10.0;
+            let [r, g, ..] = picture.get(x, 3).unwrap();
+            assert!((f32::from(r) - expected).abs() < 1.01, "{r} at {x}");
+            assert_eq!(g, 50);
+        }
+        clip.texture.as_mut().unwrap().shows.clear();
+        assert!(clip.check().is_err());
     }
 
     #[test]

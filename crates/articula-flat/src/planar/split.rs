@@ -274,6 +274,9 @@ impl Marks {
             part: Vec::new(),
             ..clip.clone()
         };
+        if let Some(texture) = &mut out.texture {
+            texture.shows.clear();
+        }
         let mut made = BTreeMap::new();
         for (t, corners) in clip.triangles.iter().enumerate() {
             let mut point = |i: usize| {
@@ -290,6 +293,9 @@ impl Marks {
                 out.triangles.push(piece);
                 out.surface.push(clip.surface[t]);
                 out.part.push(clip.part[t]);
+                if let (Some(to), Some(from)) = (&mut out.texture, &clip.texture) {
+                    to.shows.push(from.shows[t]);
+                }
             }
         }
         out
@@ -302,6 +308,9 @@ fn add_vertex(clip: &mut PlanarClip, from: u32, to: u32, way: f32) -> u32 {
     let mix = |a: f32, b: f32| a + (b - a) * way;
     let (a, b) = (clip.albedo[u], clip.albedo[v]);
     clip.albedo.push([0, 1, 2].map(|k| mix(a[k], b[k])));
+    if let Some(texture) = &mut clip.texture {
+        texture.add_between(u, v, way);
+    }
     for frame in &mut clip.frames {
         frame.xy.push(frame.xy[u].lerp(frame.xy[v], way));
         frame

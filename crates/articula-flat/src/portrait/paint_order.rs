@@ -60,6 +60,7 @@ pub(crate) fn sector(
             albedo: None,
         }],
         albedo: vec![[255.0; 3]; flat.vertices.len()],
+        texture: None,
     };
     let painting = Painting::single(&clip, &drawn)?;
     let painted = painting.order_at(0);

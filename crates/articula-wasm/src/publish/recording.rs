@@ -14,7 +14,7 @@ impl Publisher {
     /// each joint in model space, three rows of four numbers; `morphs` has for each frame the weights of all morph
     /// targets. A camera that moves is told as if the figure moved before it.
     #[wasm_bindgen(js_name = addRecording)]
-    #[allow(
+    #[expect(
         clippy::too_many_arguments,
         reason = "arrays of JavaScript cannot be fields of an object that is read as JSON"
     )]

@@ -10,7 +10,7 @@ use crate::work::Executor;
 use articula_build::decimate;
 use articula_core::{Camera, ModelPose, Viewport, local_to_model};
 use articula_flat::flatten::{JudgedRegion, SourceFrames, SourceTime};
-use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
+use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake, textured};
 use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
 use articula_flat::planar::{PlanarClip, PlanarError};
 use articula_flat::{Appearance, Projection};
@@ -67,6 +67,9 @@ pub struct Shot {
     pub viewport: Viewport,
     /// Number of triangles.
     pub triangles: TriangleCount,
+    /// Whether triangles show their textures where colours of their corners do not show them; for
+    /// the player, which alone draws pictures.
+    pub shows_textures: bool,
 }
 
 /// Least number of triangles that is tried for a picture, where none is asked for.
@@ -96,6 +99,7 @@ impl Default for Shot {
             triangles: TriangleCount::Judged {
                 least: LEAST_TRIANGLES,
             },
+            shows_textures: false,
         }
     }
 }
@@ -354,9 +358,22 @@ impl<'a> FramedCharacter<'a> {
     /// Projects the clip at its frames.
     ///
     /// # Errors
-    /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
+    /// An [`Error`] that names the file, if it has more triangles or frames than can be converted,
+    /// or shows textures and nothing is visible.
     pub fn clip(&self) -> Result<PlanarClip> {
-        self.at(&self.frame_times_secs)
+        self.textured(self.at(&self.frame_times_secs)?, &self.subject())
+    }
+
+    /// A baked clip of a subject with the picture of its textures, if it shows them.
+    pub(super) fn textured(
+        &self,
+        clip: PlanarClip,
+        subject: &PlanarSubject<'_>,
+    ) -> Result<PlanarClip> {
+        if !self.shot.shows_textures {
+            return Ok(clip);
+        }
+        textured(clip, subject, &self.options).context(self.figure.opened.name())
     }
 
     /// Projects the clip at fractional frame numbers.
@@ -476,6 +493,10 @@ impl<'a> FramedCharacter<'a> {
         let source = self.source_frames(&times)?;
         let mut results = Vec::new();
         let mut weights = self.weights;
+        let least = match self.is_mostly_textured(least)? {
+            true => least.min(LEAST_TRIANGLES),
+            false => least,
+        };
         for (step, multiple) in COUNTS.into_iter().enumerate() {
             work.step(JUDGING, step, COUNTS.len())?;
             let count = ((multiple * least as f64).round() as usize).min(MAX_TRIANGLES);
@@ -507,6 +528,23 @@ impl<'a> FramedCharacter<'a> {
         Ok(())
     }
 
+    /// Whether pictures cover most of the figure with this many triangles: then fewer are enough, since
+    /// they carry no colours.
+    fn is_mostly_textured(&self, count: usize) -> Result<bool> {
+        let materials = &self.appearance.materials;
+        if !self.shot.shows_textures || !materials.iter().any(|m| m.base_color_image.is_some()) {
+            return Ok(false);
+        }
+        let triangles = self.simplified(count, self.weights)?;
+        let shown = PlanarSubject {
+            triangles: &triangles,
+            ..self.subject()
+        };
+        let times: Vec<f64> = self.judged_times().iter().map(|t| t.secs).collect();
+        let clip = bake(&shown, &times, &self.options).context(self.figure.opened.name())?;
+        Ok(self.textured(clip, &shown)?.textured_share() > 0.5)
+    }
+
     /// Simplifies and compares with the character itself; adds the result to `results`.
     fn attempt(
         &self,
@@ -523,6 +561,7 @@ impl<'a> FramedCharacter<'a> {
         };
         let times: Vec<f64> = self.judged_times().iter().map(|t| t.secs).collect();
         let clip = bake(&shown, &times, &self.options).with_context(place)?;
+        let clip = self.textured(clip, &shown)?;
         let tried = TriedTriangles {
             count,
             triangles: triangles.len(),

@@ -34,9 +34,10 @@ pub(super) fn live_source(framed: &FramedCharacter<'_>) -> Result<LiveSource> {
         options.fps = sampled.rate_hz;
         weights = sampled.weights;
     }
+    let shapes =
+        bake_shapes(&framed.subject(), &shapes, &options).with_context(|| figure.opened.name())?;
     Ok(LiveSource {
-        shapes: bake_shapes(&framed.subject(), &shapes, &options)
-            .with_context(|| figure.opened.name())?,
+        shapes: framed.textured(shapes, &framed.subject())?,
         inputs: all.into_iter().map(|e| e.name).collect(),
         weights,
     })

@@ -25,8 +25,9 @@ pub use head::FramedHead;
 pub use judged::{DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles};
 pub use portrait::{PortraitReport, PortraitShot, YawError, portrait, portrait_errors};
 pub use report::{
-    BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlattenReport,
-    LocalDifference, RepresentationReport, TriangleChoice, TriedCount, TriedSettings, WorstByPart,
+    BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlatTexture,
+    FlattenReport, LocalDifference, RepresentationReport, TriangleChoice, TriedCount,
+    TriedSettings, WorstByPart,
 };
 pub use shown_clip::shown_clip;
 pub use surfaces::surfaces_shown_otherwise;
@@ -38,7 +39,7 @@ use articula_flat::flatten::{
     Flattened, PrepareClipOptions, PreparedClip, ReferenceFrames, Settings, SourceTime,
     dropped_detail, flatten as write, flatten_live, sampled_frames,
 };
-use articula_flat::planar::OrderOptions;
+use articula_flat::planar::{OrderOptions, PlanarClip};
 use articula_flat::vector::player::LiveSource;
 
 /// Fewest triangles that a byte budget leads to.
@@ -67,7 +68,11 @@ pub fn flatten(
         .filter(|f| f.fract() == 0.0)
         .collect();
     let source = framed.source_frames(&framed.times(&whole))?;
-    let truth = ReferenceFrames::new(&framed.at_frames(&frames)?, &frames)
+    let sampled = PlanarClip {
+        texture: clip.texture.clone(),
+        ..framed.at_frames(&frames)?
+    };
+    let truth = ReferenceFrames::new(&sampled, &frames)
         .with_context(name)?
         .with_source(source);
     let prepared = work
@@ -99,6 +104,9 @@ pub(crate) fn prepared(
 /// Adds the painted detail that the vertex colours do not show.
 fn detailed(framed: &FramedCharacter<'_>, mut flat: Flattened) -> Result<Flattened> {
     let (times, shading) = (framed.judged_times(), flat.quality.shading);
+    if flat.texture.is_some() {
+        return Ok(flat);
+    }
     let subject = framed.subject();
     flat.dropped_detail =
         dropped_detail(&subject, framed.regions(), &times, &framed.options, shading)
@@ -157,7 +165,11 @@ pub fn flatten_driven(
         })
         .collect();
     let pictures = framed.source_frames(&times)?;
-    let truth = ReferenceFrames::new(&framed.at(&moments)?, &frames)
+    let sampled = PlanarClip {
+        texture: source.shapes.texture.clone(),
+        ..framed.at(&moments)?
+    };
+    let truth = ReferenceFrames::new(&sampled, &frames)
         .with_context(|| framed.name())?
         .with_source(pictures);
     // Driven shapes share one painting order.

@@ -47,6 +47,9 @@ pub struct FlattenReport {
     pub error: FlatErrors,
     /// The file as an encoding to choose from.
     pub representation: RepresentationReport,
+    /// The picture that triangles show, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture: Option<FlatTexture>,
     /// Choice of the triangle count, if it was not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub triangle_choice: Option<TriangleChoice>,
@@ -95,6 +98,17 @@ pub struct FlatSettings {
     pub col_tol_levels: f32,
     /// Difference within which neighbouring triangles are joined, levels.
     pub merge_levels: Option<f32>,
+}
+
+/// The picture that triangles of a file show.
+#[derive(Debug, Clone, Serialize)]
+pub struct FlatTexture {
+    /// Number of triangles that show it; others are shaded from corner to corner.
+    pub triangles: usize,
+    /// Width and height, pixels.
+    pub size_px: (u32, u32),
+    /// Size of the picture, bytes.
+    pub bytes: u64,
 }
 
 /// Errors of a file against the simplified character, and locally against the character itself.
@@ -249,6 +263,11 @@ impl FlattenReport {
             settings: FlatSettings::new(&flat.quality),
             error: FlatErrors::new(flat),
             representation: RepresentationReport::new(flat.representation()),
+            texture: flat.texture.map(|texture| FlatTexture {
+                triangles: texture.triangles,
+                size_px: texture.size_px,
+                bytes: texture.bytes,
+            }),
             triangle_choice: TriangleChoice::new(framed),
             max_bytes,
             bytes_over: flat.bytes_over,

@@ -154,6 +154,19 @@ pub(crate) struct QualityArgs {
     /// Shading of a triangle [default: gouraud]
     #[arg(long, value_enum, value_name = "HOW")]
     pub(crate) shading: Option<ShadingName>,
+    /// player: whether triangles show a picture where the colours of their corners do not show their
+    /// texture
+    #[arg(long, value_enum, value_name = "WHETHER", default_value_t = TextureName::Auto)]
+    pub(crate) texture: TextureName,
+}
+
+/// Whether triangles show pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TextureName {
+    /// Where a texture has detail
+    Auto,
+    /// Nowhere
+    None,
 }
 
 /// Accuracy of a file, as far as it is given.

@@ -14,7 +14,9 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
-use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, RootName, ShadingName};
+use arguments::{
+    ConvertArgs, FlattenCommand, FormName, ProfileName, RootName, ShadingName, TextureName,
+};
 use articula::Figure;
 use articula::core::Viewport;
 use articula::flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
@@ -170,6 +172,11 @@ impl ConvertArgs {
             (accuracy.colour_levels.is_some(), "--quality colour", &ours),
             (quality.shading.is_some(), "--shading", &ours),
             (accuracy.merge_levels.is_some(), "--quality merge", &keyed),
+            (
+                quality.texture != TextureName::Auto,
+                "--texture",
+                &[P::Player],
+            ),
         ] {
             if is_given && !profiles.contains(&profile) {
                 let what = "does not apply to this profile; see --help";
@@ -218,6 +225,9 @@ impl ConvertArgs {
                 fov_y_radians: self.shot.fov_deg.to_radians(),
             },
             triangles,
+            shows_textures: profile == ProfileName::Player
+                && self.quality.texture == TextureName::Auto
+                && self.quality.shading != Some(ShadingName::Flat),
         }
     }
 

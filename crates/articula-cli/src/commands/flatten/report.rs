@@ -3,7 +3,7 @@
 use crate::fault::clean;
 use articula::Figure;
 use articula::flatten::{
-    AlternativeMeshes, FACE_DELTA_E, FlattenReport, LocalDifference, REST_DELTA_E,
+    AlternativeMeshes, FACE_DELTA_E, FlatTexture, FlattenReport, LocalDifference, REST_DELTA_E,
 };
 
 /// Share of stray pixels, percent of the figure's, above which a file is warned about.
@@ -20,6 +20,20 @@ pub(super) fn motion(figure: &Figure, clip: Option<usize>, is_held: bool) -> Str
         None => "rest pose: the file has no clip; `articula convert MOTION OUT.glb --onto FILE` adds one\n"
             .to_owned(),
     }
+}
+
+/// A line about the picture that triangles show, if there is one.
+fn texture(report: &FlattenReport) -> String {
+    let line = |texture: &FlatTexture| {
+        format!(
+            "texture: {} triangles show a picture of {} x {} px, {:.1} kB\n",
+            texture.triangles,
+            texture.size_px.0,
+            texture.size_px.1,
+            texture.bytes as f64 / 1e3,
+        )
+    };
+    report.texture.as_ref().map(line).unwrap_or_default()
 }
 
 /// Formats the report for people.
@@ -46,6 +60,7 @@ pub(super) fn text(report: &FlattenReport) -> String {
         report.keys,
         report.orders,
     );
+    text.push_str(&texture(report));
     text.push_str(&format!(
             "error: position {:.2} px, colour {:.1} levels of 0 to 255 (max {:.1}), SSIM {:.4} (min {:.4}) at {} frames; \
              pixels painted in the wrong order {:.2} % (depth sort {:.2} %)\n",
@@ -110,13 +125,14 @@ pub(crate) fn warnings(report: &FlattenReport) -> Vec<String> {
         ));
     }
     for detail in &report.dropped_detail {
-        let shading = match report.settings.shading {
-            "flat" => "--shading gouraud, ",
-            _ => "",
+        // More triangles have more colours, but a texture's edges lie within them.
+        let mend = match (report.profile.as_str(), report.settings.shading) {
+            ("player", "flat") => "leave out --shading flat, with which no texture is shown",
+            ("player", _) => "leave out --texture none",
+            _ => "--profile player shows textures, and --profile portrait those of a face",
         };
         all.push(format!(
-            "texture detail of the {} was dropped (mesh {}): its colours differ by {}; give more \
-             --triangles, {shading}or --profile portrait for a face",
+            "texture detail of the {} was dropped (mesh {}): its colours differ by {}; {mend}",
             detail.worst.region,
             clean(&detail.mesh),
             difference(&detail.worst),

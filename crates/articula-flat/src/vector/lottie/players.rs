@@ -105,6 +105,7 @@ fn cube() -> PlanarClip {
             .iter()
             .flat_map(|c| vec![c.map(f32::from); 8])
             .collect(),
+        texture: None,
     }
 }
 

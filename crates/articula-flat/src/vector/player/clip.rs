@@ -2,9 +2,10 @@
 //!
 //! Source: `docs/methods/vector.md` 8.3.
 
+use super::texture::{PlayerTexture, ShownTexture};
 use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
-use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial};
+use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial, PlanarTexture};
 use glam::Vec2;
 use std::ops::Range;
 
@@ -53,6 +54,8 @@ pub struct PlayerClip {
     pub(crate) motion: Quantised,
     /// Names of the inputs that drive the clip; empty if it can only be played.
     pub inputs: Vec<String>,
+    /// The picture that triangles show; only with Gouraud shading.
+    pub(crate) texture: Option<PlayerTexture>,
 }
 
 /// Positions and light of a clip at one time.
@@ -111,6 +114,17 @@ impl PlayerClip {
         (frame + 0.5).floor().clamp(0.0, f64::from(self.frames - 1)) as u32
     }
 
+    /// The picture that triangles show.
+    pub(crate) fn shown_texture(&self) -> Option<ShownTexture> {
+        let texture = self.texture.as_ref()?;
+        let picture = &texture.picture;
+        Some(ShownTexture {
+            triangles: texture.shows.iter().filter(|shows| **shows).count(),
+            size_px: (picture.width(), picture.height()),
+            bytes: texture.file.len() as u64,
+        })
+    }
+
     /// One time as a planar clip of a single frame, in which triangles painted later are nearer and
     /// triangles that are not drawn have no area: [`crate::planar::reference`] of it is what an
     /// ideal player shows.
@@ -118,6 +132,8 @@ impl PlayerClip {
         let moment = self.planar_frame(frame);
         let mut clip = self.planar(vec![PlanarFrame::default()]);
         let order = self.order_at(frame);
+        let texture = clip.texture.take();
+        let mut shown = texture.as_ref().map(PlanarTexture::without_triangles);
         let (albedo, triangles) = (clip.albedo, clip.triangles);
         clip.albedo = Vec::new();
         clip.triangles = Vec::new();
@@ -134,12 +150,19 @@ impl PlayerClip {
                 to.nearness
                     .push((rank + 1) as f32 / (order.len() + 1) as f32);
                 clip.albedo.push(albedo[wedge]);
+                if let (Some(shown), Some(texture)) = (&mut shown, &texture) {
+                    shown.places.push(texture.places[wedge]);
+                }
+            }
+            if let (Some(shown), Some(texture)) = (&mut shown, &texture) {
+                shown.shows.push(texture.shows[*t as usize]);
             }
             clip.triangles.push([first, first + 1, first + 2]);
             surface.push(0);
         }
         clip.part = vec![0; surface.len()];
         clip.surface = surface;
+        clip.texture = shown;
         clip
     }
 
@@ -171,6 +194,7 @@ impl PlayerClip {
                 albedo: None,
             }],
             albedo,
+            texture: self.texture.as_ref().map(PlayerTexture::planar),
         }
     }
 

@@ -3,13 +3,11 @@
 //! Source: `docs/methods/vector.md` 8.3, `docs/formats/artv.md` (byte by byte).
 
 use super::clip::PlayerClip;
+use super::deflate::smallest;
 use super::stream::Writer;
-use super::topology::parents;
+use super::topology::{parents, wedge_parents};
 use crate::low_rank::quantised::QuantisedComponent;
 use crate::planar::shading::Shading;
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
-use std::io::Write;
 
 /// First bytes of a container.
 pub(crate) const MAGIC: [u8; 4] = *b"ARTV";
@@ -19,6 +17,8 @@ pub(crate) const VERSION: u8 = 1;
 pub(super) const GOURAUD: u32 = 1;
 /// Flag: components are inputs, whose names follow at the end.
 pub(super) const INPUTS: u32 = 2;
+/// Flag: triangles show a picture, which follows at the end.
+pub(super) const TEXTURE: u32 = 4;
 
 /// Size of each part before compression, bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -41,6 +41,8 @@ pub(crate) struct PartSizes {
     pub coefficients: usize,
     /// Names of inputs.
     pub inputs: usize,
+    /// Texture coordinates and the picture.
+    pub texture: usize,
 }
 
 /// Encodes a clip as bytes of the script player's container.
@@ -82,44 +84,22 @@ pub(crate) fn encode_parts(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
             .for_each(|unit| to.unsigned(unit.into()));
     }
     sizes.inputs = passed(&to);
+    if let Some(texture) = &clip.texture {
+        texture.write(&mut to, &clip.triangles, &wedge_parents(&clip.triangles));
+    }
+    sizes.texture = passed(&to);
     (packed(&to.0), sizes)
 }
 
-/// Bytes after which a new Deflate block, with a code for the numbers that follow, may be smaller.
-const BLOCK_BYTES: usize = 8192;
-
-/// The smaller of two Deflate streams: blocks chosen by the encoder, or blocks of a fixed size.
+/// Magic, version and the smallest Deflate stream.
 fn packed(body: &[u8]) -> Vec<u8> {
-    let whole = packed_in(body, usize::MAX);
-    let parts = packed_in(body, BLOCK_BYTES);
-    if parts.len() < whole.len() {
-        parts
-    } else {
-        whole
-    }
-}
-
-fn packed_in(body: &[u8], block: usize) -> Vec<u8> {
-    let mut out = MAGIC.to_vec();
-    out.push(VERSION);
-    let mut encoder = ZlibEncoder::new(out, Compression::best());
-    let mut write = || -> std::io::Result<()> {
-        for (i, part) in body.chunks(block).enumerate() {
-            if i > 0 {
-                encoder.flush()?;
-            }
-            encoder.write_all(part)?;
-        }
-        Ok(())
-    };
-    // Writing into a vector does not fail.
-    let done = write().and_then(|()| encoder.finish());
-    done.unwrap_or_default()
+    [&MAGIC[..], &[VERSION], &smallest(body)].concat()
 }
 
 fn header(to: &mut Writer, clip: &PlayerClip) {
     let gouraud = u32::from(clip.shading == Shading::Gouraud) * GOURAUD;
     let inputs = u32::from(!clip.inputs.is_empty()) * INPUTS;
+    let texture = u32::from(clip.texture.is_some()) * TEXTURE;
     for value in [
         clip.width,
         clip.height,
@@ -127,7 +107,7 @@ fn header(to: &mut Writer, clip: &PlayerClip) {
         clip.triangles.len() as u32,
         clip.epochs.len() as u32,
         clip.motion.components.len() as u32,
-        gouraud | inputs,
+        gouraud | inputs | texture,
     ] {
         to.unsigned(value);
     }

@@ -4,10 +4,11 @@
 //! uncompressed size is bounded, and each stored number takes at least one byte of it.
 
 use super::clip::{PlayerClip, PlayerEpoch};
-use super::container::{GOURAUD, INPUTS, MAGIC, VERSION};
+use super::container::{GOURAUD, INPUTS, MAGIC, TEXTURE, VERSION};
 use super::error::PlayerError;
 use super::stream::Reader;
-use super::topology::parents;
+use super::texture::PlayerTexture;
+use super::topology::{parents, wedge_parents};
 use crate::low_rank::quantised::{MAX_STEPS, Quantised, QuantisedComponent};
 use crate::planar::clip::{MAX_FRAMES, MAX_TRIANGLES};
 use crate::planar::shading::Shading;
@@ -67,7 +68,11 @@ fn body(bytes: &[u8]) -> Result<PlayerClip, PlayerError> {
         components: from.count("components", 0, MAX_COMPONENTS)?,
         flags: from.unsigned()?,
     };
-    if header.flags & !(GOURAUD | INPUTS) != 0 {
+    let has_texture = header.flags & TEXTURE != 0;
+    // Colours of flat triangles are lit, a picture is not.
+    if header.flags & !(GOURAUD | INPUTS | TEXTURE) != 0
+        || (has_texture && header.flags & GOURAUD == 0)
+    {
         return Err(PlayerError::Malformed("unknown flag"));
     }
     let fps = positive(from.real()?, MAX_FPS)? as f32;
@@ -97,6 +102,14 @@ fn body(bytes: &[u8]) -> Result<PlayerClip, PlayerError> {
             inputs.push(name(from)?);
         }
     }
+    let texture = match has_texture {
+        true => Some(PlayerTexture::read(
+            from,
+            &triangles,
+            &wedge_parents(&triangles),
+        )?),
+        false => None,
+    };
     if !from.is_at_end() {
         return Err(PlayerError::Malformed("unexpected bytes after the end"));
     }
@@ -119,6 +132,7 @@ fn body(bytes: &[u8]) -> Result<PlayerClip, PlayerError> {
         epochs,
         motion,
         inputs,
+        texture,
     })
 }
 

@@ -33,6 +33,9 @@ pub enum PlayerError {
         /// Maximum number.
         most: usize,
     },
+    /// The picture of the clip cannot be decoded.
+    #[error("the picture of the clip cannot be read: {0}")]
+    Picture(String),
     /// A value is invalid.
     #[error("the clip is malformed: {0}")]
     Malformed(&'static str),

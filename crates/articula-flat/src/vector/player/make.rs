@@ -6,10 +6,14 @@ use super::clip::{PlayerClip, PlayerEpoch};
 use super::container::{PartSizes, encode, encode_parts};
 use super::fit::{Errors, Numbers, fit};
 use super::page::{PlayerOutput, page, script};
+use super::texture::PlayerTexture;
 use super::topology::Topology;
+use crate::error::PictureError;
 use crate::low_rank::quantised::Quantised;
+use crate::picture::Picture;
 use crate::planar::shading::Shading;
 use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
+use glam::Vec2;
 
 /// Options of a player file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +38,9 @@ impl Default for PlayerOptions {
         }
     }
 }
+
+/// Qualities of the picture that triangles show, from the usual one on.
+const PICTURE_QUALITIES: [u8; 3] = [75, 80, 70];
 
 /// Statistics of a written player file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,7 +134,7 @@ pub(super) fn finish(
             position_rmse_px: errors.position_px,
             light_rmse_levels: errors.light_levels,
             parts,
-            script: script(made.shading, !made.inputs.is_empty()).len(),
+            script: script(made).len(),
         },
     })
 }
@@ -201,8 +208,54 @@ pub(super) fn still_parts(
             components: Vec::new(),
         },
         inputs: Vec::new(),
+        texture: texture(clip, &topology, shading)?,
     };
     Ok((made, topology))
+}
+
+/// The picture that the clip's triangles show; `None` if none of those that are drawn does.
+///
+/// # Errors
+/// [`PlanarError::Picture`] if it cannot be encoded.
+fn texture(
+    clip: &PlanarClip,
+    topology: &Topology,
+    shading: Shading,
+) -> Result<Option<PlayerTexture>, PlanarError> {
+    let wanted = clip
+        .texture
+        .as_ref()
+        .filter(|_| shading == Shading::Gouraud);
+    let Some(texture) = wanted else {
+        return Ok(None);
+    };
+    let sources = topology.sources.iter();
+    let shows: Vec<bool> = sources.map(|t| texture.shows[*t as usize]).collect();
+    if !shows.contains(&true) {
+        return Ok(None);
+    }
+    let mut places = vec![Vec2::ZERO; topology.wedge_vertices.len()];
+    for (corners, _) in topology.triangles.iter().zip(&shows).filter(|(_, s)| **s) {
+        for wedge in corners.map(|w| w as usize) {
+            places[wedge] = texture.places[topology.wedge_vertices[wedge] as usize];
+        }
+    }
+    let file = picture_file(&texture.picture)?;
+    let made = PlayerTexture::new(file, shows, places.into_iter());
+    made.map(Some).map_err(|e| PlanarError::Mismatch {
+        at: "texture",
+        what: e.to_string(),
+    })
+}
+
+/// A picture as a file: lossy, or without loss if no quality gives a file that can be decoded. The
+/// encoder fails for some pictures.
+fn picture_file(picture: &Picture) -> Result<Vec<u8>, PictureError> {
+    let lossy = PICTURE_QUALITIES.into_iter().find_map(|quality| {
+        let file = picture.to_webp(quality).ok()?;
+        Picture::decode(&file).is_ok().then_some(file)
+    });
+    lossy.map_or_else(|| picture.to_lossless_webp(), Ok)
 }
 
 /// Albedo of wedges, or mean colours of triangles over the frames in which they are drawn.
@@ -223,8 +276,23 @@ fn colors(clip: &PlanarClip, drawn: &Drawn, topology: &Topology, shading: Shadin
     match shading {
         Shading::Gouraud => {
             let vertices = topology.wedge_vertices.iter();
-            vertices.map(|v| levels(clip.albedo[*v as usize])).collect()
+            let albedo = vertices.map(|v| levels(clip.albedo[*v as usize]));
+            repeated(albedo, &topology.needs_color(clip))
         }
         Shading::Flat => topology.sources.iter().map(mean).collect(),
     }
+}
+
+/// The colours, where those that no triangle shows repeat the last new one, which takes no bytes.
+fn repeated(colors: impl Iterator<Item = [u8; 3]>, is_needed: &[bool]) -> Vec<[u8; 3]> {
+    let mut known = std::collections::BTreeSet::new();
+    let mut last = [0; 3];
+    let shown = colors.zip(is_needed).map(|(color, is_needed)| {
+        let color = if *is_needed { color } else { last };
+        if known.insert(color) {
+            last = color;
+        }
+        color
+    });
+    shown.collect()
 }

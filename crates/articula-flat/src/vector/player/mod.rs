@@ -5,11 +5,14 @@
 //! - [`PlayerClip`]: content of the container; [`encode`] and [`decode`] write and read it
 //! - [`LiveSource`]: a clip that named inputs drive
 //! - [`PlayerOutput`]: SVG or module, with the player's script
+//! - [`ShownTexture`]: what a file tells of the picture that its triangles show
 //! - [`PlayerError`]: errors of malformed containers
 
+mod canvas;
 mod clip;
 mod container;
 mod decode;
+mod deflate;
 mod error;
 mod first_frame;
 mod fit;
@@ -19,6 +22,7 @@ mod page;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod texture;
 mod topology;
 
 pub use clip::{PlayerClip, PlayerFrame};
@@ -27,6 +31,8 @@ pub use decode::decode;
 pub use error::PlayerError;
 pub use live::LiveSource;
 pub use page::PlayerOutput;
+pub use texture::ShownTexture;
 
+pub(crate) use canvas::on_canvas;
 pub(crate) use live::live_player;
 pub(crate) use make::{PlayerOptions, player};

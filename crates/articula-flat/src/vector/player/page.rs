@@ -26,15 +26,25 @@ pub enum PlayerOutput {
 }
 
 /// Minified script for a clip.
-pub(super) fn script(shading: Shading, is_live: bool) -> String {
+pub(super) fn script(clip: &PlayerClip) -> String {
+    let parts = [!clip.inputs.is_empty(), clip.texture.is_some()];
+    script_for(clip.shading, parts)
+}
+
+/// The script for a shading, with inputs and with a picture.
+fn script_for(shading: Shading, [is_live, has_texture]: [bool; 2]) -> String {
+    let is_gouraud = shading == Shading::Gouraud;
     let mut script = String::new();
     let mut is_wanted = true;
     for line in SCRIPT.lines().map(str::trim) {
         match line.strip_prefix("//") {
-            Some("+gouraud") => is_wanted = shading == Shading::Gouraud,
-            Some("+flat") => is_wanted = shading == Shading::Flat,
+            Some("+gouraud") => is_wanted = is_gouraud,
+            Some("+flat") => is_wanted = !is_gouraud,
             Some("+live") => is_wanted = is_live,
             Some("+clip") => is_wanted = !is_live,
+            Some("+texture") => is_wanted = has_texture,
+            Some("+untextured") => is_wanted = !has_texture,
+            Some("+plain") => is_wanted = is_gouraud && !has_texture,
             Some("-") => is_wanted = true,
             Some(_) => {}
             None if is_wanted => script.push_str(line),
@@ -53,7 +63,7 @@ pub(super) fn page(
     container: &[u8],
     output: PlayerOutput,
 ) -> Result<String, PictureError> {
-    let script = script(clip.shading, !clip.inputs.is_empty());
+    let script = script(clip);
     let data = BASE64_STANDARD.encode(container);
     let (w, h) = (clip.width, clip.height);
     Ok(match output {
@@ -75,14 +85,18 @@ mod tests {
 
     #[test]
     fn scripts_are_small_and_stand_on_one_line() {
-        for (shading, live) in [
-            (Shading::Gouraud, false),
-            (Shading::Gouraud, true),
-            (Shading::Flat, false),
-            (Shading::Flat, true),
+        for (shading, live, texture) in [
+            (Shading::Gouraud, false, false),
+            (Shading::Gouraud, true, false),
+            (Shading::Flat, false, false),
+            (Shading::Flat, true, false),
+            (Shading::Gouraud, false, true),
+            (Shading::Gouraud, true, true),
         ] {
-            let script = script(shading, live);
-            assert!(script.len() < 2500, "{} bytes", script.len());
+            let script = script_for(shading, [live, texture]);
+            let most = if texture { 3600 } else { 2500 };
+            assert!(script.len() < most, "{} bytes", script.len());
+            assert_eq!(script.contains("createPattern"), texture);
             // CDATA must not end early, and a comment must not swallow the rest.
             for bad in ["]]>", "//", "\n", "</"] {
                 assert!(!script.contains(bad), "{bad}");

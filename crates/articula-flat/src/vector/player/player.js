@@ -42,15 +42,33 @@ Y=L(K,_=>[R(),D(U())]),
 X=L(K,_=>{let m=U(),s=0,d=0;return L(F,_=>s+=d=V()+m*d)}),
 //+live
 N=L(K,_=>String.fromCharCode(...L(U(),U))),
+//+texture
+// whether triangles show the picture, in runs; places of wedges in it, in pixels
+tx=(b=>{for(let r=[];;b^=1){if(r.length>=T)return r;r.push(...L(U(),_=>b))}})(0),
+wt=new Set(I.filter((_,k)=>tx[k/3|0])),
+uv=W.reduce((r,_,i)=>{if(wt.has(i))r[i]=(r[G[i]]||[0,0]).map(x=>x+V()/4);return r},[]),
+im=(U(),await createImageBitmap(new Blob([a.slice(p)]))),
 //-
 // point at the end of an edge; triangles on the other side of each edge
 y=k=>W[I[k%3<2?k+1:k-2]],
 J={},
 S=(I.map((i,k)=>(J[[W[i],y(k)]]??=[]).push(k/3|0)),I.map((i,k)=>J[[y(k),W[i]]]||[])),
 x=c.getContext("2d"),
+//+texture
+// the picture in sixteenths of full light, as a pattern; those that were asked for
+pt=[],
+pl=k=>{if(!pt[k]){let{width:w,height:h}=im,b=new OffscreenCanvas(w,h),y=b.getContext("2d");
+y.drawImage(im,0,0);
+y.globalCompositeOperation="source-atop";
+y.fillStyle=Q([255-k*255/16]);
+y.fillRect(0,0,w,h);
+pt[k]=x.createPattern(b,"repeat")}return pt[k]},
+//-
 Z=c.getBoundingClientRect().width*devicePixelRatio/w||1,
-//+gouraud
-Q=q=>`rgb(${q.map(x=>x+.5|0)})`,
+//+texture
+Q=q=>q[1]+1?`rgb(${q})`:`rgba(0,0,0,${q/255})`,
+//+plain
+Q=q=>`rgb(${q})`,
 //-
 // draws a moment, in frames
 f=t=>{
@@ -69,17 +87,35 @@ x.clearRect(0,0,w,h);
 O.findLast(o=>o[0]<=y)[1].map(t=>{if(D[t]){
 // what is still in D comes later
 D[t]=0;
-// wedges, places, outward normals as long as their edges, twice the area, how far edges move out
+// wedges, places, outward normals as long as their edges, twice the area, parts of normals by which edges move out
 let j=I.slice(3*t,3*t+3),
 P=j.map(i=>[v[2*W[i]],v[2*W[i]+1]]),
 N=P.map((a,i)=>{let b=P[(i+1)%3];return[a[1]-b[1],b[0]-a[0]]}),
 A=N[0][0]*N[1][1]-N[0][1]*N[1][0]||1,
-z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8*hypot(...a):0);
+z=N.map((a,i)=>S[3*t+i].some(n=>D[n])?.8/Z**.5/hypot(...a):0);
 x.beginPath();
-P.map(([a,b],i)=>{let k=(i+2)%3,X=(z[k]*N[i][1]-z[i]*N[k][1])/A,Y=(N[k][0]*z[i]-N[i][0]*z[k])/A,s=min(1,2/hypot(X,Y));x.lineTo(a+X*s,b+Y*s)});
+P.map((_,i)=>[i,(i+1)%3].map(k=>x.lineTo(P[k][0]+N[i][0]*z[i],P[k][1]+N[i][1]*z[i])));
+//+texture
+// the picture in the most light, in sixteenths, mapped to the canvas; less light is black over it
+let u=min(16,max(1,Math.ceil(16*max(...j.map(i=>v[2*n+i]/l))-.1)));
+if(tx[t]){
+let pt=pl(u),[[a,b],[c,d],[e,f]]=j.map(i=>uv[i]),
+[[g,h],[k,l],[m,o]]=P,
+D=(c-a)*(f-b)-(e-a)*(d-b)||1,
+q=(g,k,m)=>[((k-g)*(f-b)-(m-g)*(d-b))/D,((m-g)*(c-a)-(k-g)*(e-a))/D],
+[A,C]=q(g,k,m),
+[B,E]=q(h,l,o);
+pt.setTransform({a:A,b:B,c:C,d:E,e:g-A*a-C*b,f:h-B*a-E*b});
+x.fillStyle=pt;
+x.fill();
+x.globalCompositeOperation="source-atop"}
 //+gouraud
 // colours; square of how far the other two corners' are apart; from i to b they are farthest
+//+texture
+let q=j.map(i=>tx[t]?[255-255*16/u*v[2*n+i]/l]:C[i].map(x=>x*v[2*n+i]/l)),
+//+plain
 let q=j.map(i=>C[i].map(x=>x*v[2*n+i]/l)),
+//+gouraud
 d=q.map((a,i)=>hypot(...q[(i+1)%3].map((x,k)=>x-q[(i+2)%3][k]))**2),
 k=d.indexOf(max(...d)),i=(k+1)%3,b=(k+2)%3,
 o=(d[b]+d[k]-d[i])/2/d[k]||0,
@@ -93,7 +129,12 @@ x.fillStyle=d[k]<2?Q(q[k]):G;
 //+flat
 x.fillStyle=`rgb(${C[t]})`;
 //-
+//+texture
+x.fill();
+x.globalCompositeOperation="source-over"}});
+//+untextured
 x.fill()}});
+//-
 e.articulaFrames=-~e.articulaFrames},
 b=t=>{if(z){s??=t;f((t-s)*r/1e3%(F-1||1));requestAnimationFrame(b)}};
 c.width=w*Z;

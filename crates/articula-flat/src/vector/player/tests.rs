@@ -11,7 +11,7 @@ use crate::picture::Picture;
 use crate::planar::clip::fixture::{loose, turning_cube};
 use crate::planar::reference::reference;
 use crate::planar::shading::Shading;
-use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
+use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError, PlanarTexture};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
@@ -46,6 +46,103 @@ fn cube_file(options: &PlayerOptions) -> (PlanarClip, Drawn, Painting, PlayerFil
     let painting = Painting::per_frame(&cube, &drawn).unwrap();
     let file = player(&cube, &drawn, &painting, options).unwrap();
     (cube, drawn, painting, file)
+}
+
+/// The turning cube, of whose triangles all but the first two show a picture.
+fn textured_cube() -> (PlanarClip, PlayerFile) {
+    let mut cube = turning_cube(24);
+    let level = |x: u32, y: u32| [(8 * x) as u8, (8 * y) as u8, 90, 255];
+    let pixels = (0..32).flat_map(|y| (0..32).map(move |x| level(x, y)));
+    let picture = Picture::from_pixels(32, 32, pixels.collect()).unwrap();
+    cube.texture = Some(PlanarTexture {
+        picture: std::sync::Arc::new(picture),
+        // A slanted view of the cube, so that no side is a line.
+        places: (0..8u8)
+            .map(|v| [v & 1, v >> 1 & 1, v >> 2 & 1].map(f32::from))
+            .map(|[x, y, z]| glam::Vec2::new(3.0 + 18.0 * x + 8.0 * z, 2.0 + 18.0 * y + 8.0 * z))
+            .collect(),
+        shows: (0..12).map(|t| t > 1).collect(),
+    });
+    let drawn = Drawn::of(&cube).unwrap();
+    let painting = Painting::per_frame(&cube, &drawn).unwrap();
+    let file = player(&cube, &drawn, &painting, &PlayerOptions::default()).unwrap();
+    (cube, file)
+}
+
+#[test]
+fn a_picture_comes_back_and_is_painted() {
+    let (cube, file) = textured_cube();
+    assert!(file.text.contains("createPattern"));
+    let clip = decode(&file.container).unwrap();
+    is_sound(&clip);
+    let (again, parts) = encode_parts(&clip);
+    assert_eq!((again, parts), (file.container.clone(), file.stats.parts));
+    assert!(parts.texture > 0);
+    for f in [0, 7, 23] {
+        let truth = reference(&cube, f, Supersampling::Four, [255; 4]).unwrap();
+        let painted = clip.painted(f as f64);
+        painted.check().unwrap();
+        let found = reference(&painted, 0, Supersampling::Four, [255; 4]).unwrap();
+        let rmse = crate::compare::rmse(&truth, &found).unwrap();
+        let plain = PlanarClip {
+            texture: None,
+            ..cube.clone()
+        };
+        let plain = reference(&plain, f, Supersampling::Four, [255; 4]).unwrap();
+        let without = crate::compare::rmse(&truth, &plain).unwrap();
+        assert!(
+            rmse < 4.0 && without > 3.0 * rmse,
+            "{rmse}, {without} in frame {f}"
+        );
+    }
+    // Flat fills are lit colours, which a picture has none of.
+    let drawn = Drawn::of(&cube).unwrap();
+    let painting = Painting::per_frame(&cube, &drawn).unwrap();
+    let filled = player(&cube, &drawn, &painting, &flat()).unwrap();
+    assert!(decode(&filled.container).unwrap().texture.is_none());
+}
+
+#[test]
+fn what_is_drawn_edge_by_edge_is_near_the_ideal() {
+    let plain = cube_file(&PlayerOptions::default());
+    for (cube, container) in [(plain.0, plain.3.container), {
+        let (cube, file) = textured_cube();
+        (cube, file.container)
+    }] {
+        let clip = decode(&container).unwrap();
+        for f in [0, 7, 23] {
+            let truth = reference(&cube, f, Supersampling::Four, [255; 4]).unwrap();
+            let drawn = on_canvas(&clip, f as f64, [255; 4]).unwrap();
+            let rmse = crate::compare::rmse(&truth, &drawn).unwrap();
+            assert!(rmse < 6.0, "{rmse} in frame {f}");
+        }
+    }
+}
+
+#[test]
+fn a_clip_with_a_broken_picture_is_refused() {
+    let (_, file) = textured_cube();
+    let body = body_of(&file.container);
+    let at = body.windows(4).position(|w| w == b"RIFF").unwrap();
+    let mut broken = body.clone();
+    broken[at] = b'X';
+    assert!(matches!(
+        decode(&wrapped(&broken)),
+        Err(PlayerError::Picture(_))
+    ));
+    for length in (0..body.len()).step_by(7) {
+        let found = decode(&wrapped(&body[..length]));
+        assert_eq!(found, Err(PlayerError::Truncated), "{length}");
+    }
+    // The flag of a picture without that of Gouraud shading.
+    let mut lit = body;
+    let flags = 6;
+    assert_eq!(lit[flags], 5);
+    lit[flags] = 4;
+    assert_eq!(
+        decode(&wrapped(&lit)),
+        Err(PlayerError::Malformed("unknown flag"))
+    );
 }
 
 fn flat() -> PlayerOptions {
@@ -344,13 +441,14 @@ proptest! {
     #[test]
     fn changed_bytes_are_read_soundly_or_refused(
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
-        is_flat in any::<bool>(),
+        kind in 0..3usize,
     ) {
-        static BODIES: std::sync::OnceLock<[Vec<u8>; 2]> = std::sync::OnceLock::new();
+        static BODIES: std::sync::OnceLock<[Vec<u8>; 3]> = std::sync::OnceLock::new();
         let bodies = BODIES.get_or_init(|| {
-            [PlayerOptions::default(), flat()].map(|o| body_of(&cube_file(&o).3.container))
+            let [gouraud, flat] = [PlayerOptions::default(), flat()].map(|o| cube_file(&o).3);
+            [gouraud, flat, textured_cube().1].map(|file| body_of(&file.container))
         });
-        let mut body = bodies[usize::from(is_flat)].clone();
+        let mut body = bodies[kind].clone();
         for (at, byte) in changes {
             let at = at.index(body.len());
             body[at] = byte;

@@ -60,6 +60,19 @@ impl Topology {
         }
         out
     }
+
+    /// Whether each wedge is a corner of a triangle that shows its colour and not a picture.
+    pub(super) fn needs_color(&self, clip: &PlanarClip) -> Vec<bool> {
+        let mut needs = vec![false; self.wedge_points.len()];
+        for (corners, source) in self.triangles.iter().zip(&self.sources) {
+            let texture = clip.texture.as_ref();
+            let is_textured = texture.is_some_and(|x| x.shows[*source as usize]);
+            for wedge in corners.iter().filter(|_| !is_textured) {
+                needs[*wedge as usize] = true;
+            }
+        }
+        needs
+    }
 }
 
 /// Column that predicts each column, itself if there is none: positions and light of a new wedge
@@ -85,15 +98,64 @@ pub(super) fn parents(triangles: &[[u32; 3]], wedge_points: &[u32], light: bool)
     columns
 }
 
+/// Wedge that each wedge follows, itself for the first: texture coordinates of a new wedge are close
+/// to those of the corner named before it.
+pub(super) fn wedge_parents(triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut parents = Vec::new();
+    let mut before = 0;
+    for wedge in triangles.iter().flatten() {
+        if *wedge as usize == parents.len() {
+            parents.push(before);
+        }
+        before = *wedge;
+    }
+    parents
+}
+
 /// Class of each vertex: equal for vertices that agree in position, albedo and light in every
 /// frame.
 fn light_classes(clip: &PlanarClip, places: &[u32]) -> Vec<u32> {
     let mut classes = places.to_vec();
-    refine(&mut classes, |v| clip.albedo[v].map(f32::to_bits));
+    let paint = VertexPaint::new(clip);
+    refine(&mut classes, |v| paint.key(clip, v));
     for frame in &clip.frames {
         refine(&mut classes, |v| frame.light[v].to_bits());
     }
     classes
+}
+
+/// What the triangles of each vertex need of it: its albedo, its place in the picture, or both.
+struct VertexPaint {
+    needs_albedo: Vec<bool>,
+    needs_place: Vec<bool>,
+}
+
+impl VertexPaint {
+    fn new(clip: &PlanarClip) -> Self {
+        let mut paint = Self {
+            needs_albedo: vec![false; clip.albedo.len()],
+            needs_place: vec![false; clip.albedo.len()],
+        };
+        for (t, corners) in clip.triangles.iter().enumerate() {
+            let is_textured = clip.texture.as_ref().is_some_and(|x| x.shows[t]);
+            for v in corners {
+                paint.needs_place[*v as usize] |= is_textured;
+                paint.needs_albedo[*v as usize] |= !is_textured;
+            }
+        }
+        paint
+    }
+
+    /// Equal for vertices that look alike in the same light.
+    fn key(&self, clip: &PlanarClip, vertex: usize) -> (Option<[u32; 3]>, Option<[u32; 2]>) {
+        let albedo = clip.albedo[vertex].map(f32::to_bits);
+        let place = clip.texture.as_ref().map(|x| x.places[vertex]);
+        let place = place.map(|place| place.to_array().map(f32::to_bits));
+        (
+            self.needs_albedo[vertex].then_some(albedo),
+            place.filter(|_| self.needs_place[vertex]),
+        )
+    }
 }
 
 fn refine<K: Ord>(classes: &mut [u32], key: impl Fn(usize) -> K) {
@@ -160,6 +222,9 @@ mod tests {
         for (column, parent) in found.iter().enumerate() {
             assert!(*parent as usize <= column);
         }
+        // Those of light, counted from the first wedge.
+        let wedges: Vec<u32> = found[8..].iter().map(|c| c - 8).collect();
+        assert_eq!(wedge_parents(&[[0, 1, 2], [2, 3, 4]]), wedges);
     }
 
     #[test]

@@ -199,6 +199,7 @@ pub(crate) fn thesis_gouraud_picture(
         surface: Vec::new(),
         part: Vec::new(),
         albedo: Vec::new(),
+        texture: None,
         ..clip.clone()
     };
     // Later faces are nearer, so that the depth buffer shows the painting order.

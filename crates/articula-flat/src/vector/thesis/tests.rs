@@ -46,6 +46,7 @@ fn pyramid() -> PlanarClip {
             albedo: Some([200, 180, 90]),
         }],
         albedo: vec![[200.0, 180.0, 90.0]; 6],
+        texture: None,
     };
     for f in 0..frames {
         // One and a half seconds of turning every three seconds.
