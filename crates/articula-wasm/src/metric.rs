@@ -33,6 +33,11 @@ impl StoredErrors {
                 .collect(),
         )
     }
+
+    /// Sets the errors of a clip, in place of the stored ones.
+    pub(crate) fn put(&mut self, clip: usize, errors: ErrorMatrix) {
+        self.0[clip] = Some(Arc::new(errors));
+    }
 }
 
 impl Metric {

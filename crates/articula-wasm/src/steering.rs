@@ -7,7 +7,7 @@ use crate::view::cameras;
 use articula::LoaRange;
 use articula::core::JointSet;
 use articula::core::joint_state::{Ease, PassivePolicy, TransitionOptions};
-use articula::core::playback::{LoaController, Threshold, ThresholdCurve};
+use articula::core::playback::{ErrorMatrix, LoaController, Threshold, ThresholdCurve};
 use articula::evaluate::ShownErrorMeter;
 use wasm_bindgen::prelude::*;
 
@@ -86,6 +86,31 @@ impl Figure {
         let rig = &figure.asset.rig;
         self.controller.inner =
             Metric::thesis(rig, errors, threshold, lookup_every, self.transition);
+    }
+
+    /// Sets the errors of a clip by which thresholds decide, for each of its keys one number for each joint, as
+    /// `Publisher.errorMatrix` returns them; without, those of the file again, for all clips. `setThreshold` then takes
+    /// them over.
+    ///
+    /// Throws if there is no such clip or the numbers are not those of its keys.
+    #[wasm_bindgen(js_name = setErrors)]
+    pub fn set_errors(&mut self, clip: usize, errors: Option<Vec<f32>>) -> Result<()> {
+        let asset = &self.figure.asset;
+        let clip = index("clip", clip, asset.clips.len())?;
+        let mut stored = StoredErrors::read(&self.figure);
+        if let Some(errors) = errors {
+            let of = &asset.clips[clip];
+            let (joints, keys) = (asset.rig.len(), (of.frames() - 1) / of.frames_per_key() + 1);
+            if errors.len() != joints * keys {
+                let found = errors.len();
+                let what = format!("errors: {found} numbers, {joints} joints × {keys} keys are expected");
+                return Err(Fault::argument(what));
+            }
+            let errors = ErrorMatrix::new(joints, errors);
+            stored.put(clip, errors.map_err(|error| Fault::argument(error.to_string()))?);
+        }
+        self.errors = Some(stored);
+        Ok(())
     }
 
     /// Evaluates at a time of the page's clock, in place of `frame`: the clip that is played shows `clipSecs`, and

@@ -106,6 +106,16 @@ test("a clip is encoded in layers or in steps, and described", () => {
   assert.throws(() => Publisher.encodeFace(fap, "speech.txt"), refused);
 });
 
+test("errors have the weight that is asked for", () => {
+  const [stored, turned] = [undefined, '{"beta": 1}'].map((options) => Publisher.errorMatrix(bytes, "knight.glb", options));
+  assert.ok(stored.length > 0 && stored.length === turned.length && Math.max(...stored) === 1 && Math.max(...turned) === 1);
+  assert.ok(stored.some((error, i) => error !== turned[i]));
+  assert.deepEqual(Publisher.errorMatrix(bytes, "knight.glb", '{"beta": 0.5}'), stored);
+  const refused = { name: "ArticulaError", code: "argument", message: /beta: 1.5/ };
+  assert.throws(() => Publisher.errorMatrix(bytes, "knight.glb", '{"beta": 1.5}'), refused);
+  assert.throws(() => Publisher.evaluate(bytes, "knight.glb", '{"beta": 1.5}'), refused);
+});
+
 test("what was shown becomes a clip", () => {
   const wrong = () => Publisher.addRecording(bytes, "knight.glb", "shown", new Float32Array([0, 0.5]), new Float32Array(3), new Float32Array());
   assert.throws(wrong, { name: "ArticulaError", code: "argument", message: /joints: 3 numbers/ });

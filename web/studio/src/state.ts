@@ -23,6 +23,8 @@ export interface StudioState {
   turn: number;
   across: number;
   nearer: number;
+  /** Whether dragging the picture moves the character in place of the camera. */
+  drag: boolean;
   /** Figures beside the first. */
   clones: number;
   /** Where the camera of the stage is and looks, six numbers with commas between them; as it fits without. */
@@ -40,6 +42,8 @@ export interface StudioState {
   threshold: number;
   farthest: number;
   curve: 'literal' | 'fixed';
+  /** Weight of orientation against velocity in the errors of thresholds. */
+  beta: number;
   lookup: number;
   transition: number;
   ease: 'smooth' | 'linear';
@@ -105,6 +109,7 @@ export const USUAL: Readonly<StudioState> = {
   turn: 0,
   across: 0,
   nearer: 0,
+  drag: false,
   clones: 0,
   camera: '',
   complexity: '',
@@ -120,6 +125,7 @@ export const USUAL: Readonly<StudioState> = {
   threshold: 1e-4,
   farthest: 1e-3,
   curve: 'literal',
+  beta: 0.5,
   lookup: 1,
   transition: 0.2,
   ease: 'smooth',
@@ -186,6 +192,7 @@ const RANGES: Partial<Record<keyof StudioState, readonly [number, number]>> = {
   across: [-5, 5],
   nearer: [-20, 5],
   clones: [0, 8],
+  beta: [0, 1],
   lookup: [1, 60],
   pixels: [0.05, 64],
   tolerance: [0.1, 32],

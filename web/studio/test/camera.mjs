@@ -86,6 +86,20 @@ export const CAMERA = [
         ...unless(crew.length === 4 && new Set(crew.map(({ geometry }) => geometry)).size === 1, `${crew.length} figures of ${new Set(crew.map(({ geometry }) => geometry)).size} geometries`),
         ...unless(new Set(crew.map(({ bones }) => bones)).size === 4 && crew.every(({ active }) => active === low), `joints: ${crew.map(({ active }) => active)}, Low has ${low}`),
       ];
+      // Dragging moves it over the floor, and not the camera.
+      const stood = { eye: await eye(page), box: await page.locator('canvas.picture').boundingBox() };
+      await page.getByLabel('Dragging the picture moves the character').check();
+      const [x, y] = [stood.box.x + 0.5 * stood.box.width, stood.box.y + 0.8 * stood.box.height];
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 40, y, { steps: 4 });
+      await page.mouse.up();
+      await page.mouse.move(x, y);
+      const { across, nearer } = await page.evaluate(() => ({ ...globalThis.articulaStudio.studio.state }));
+      faults.push(...unless(across > 1.6 && nearer !== 0 && far(await eye(page), stood.eye) === 0, `dragged to ${across}, ${nearer} m`));
+      await page.getByLabel('Dragging the picture moves the character').uncheck();
+      await slide(page, 'To the front', 0);
+      await slide(page, 'To the right', 1.5);
       await page.locator('canvas.picture').focus();
       await page.mouse.move(200, 250);
       await page.mouse.wheel(0, 300);

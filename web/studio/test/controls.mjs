@@ -43,6 +43,23 @@ export const CONTROLS = [
       };
       const curves = [await at(/^Rising$/), await at(/^As printed$/)];
       faults.push(...unless(curves[0] !== curves[1], `both curves move ${curves[0]} joints at 6 m`));
+      // Another weight holds other joints than the errors of the file do, which come back.
+      await slide(page, 'Threshold at the viewer', -1);
+      await slide(page, 'Threshold at 16 m', -1);
+      const weighed = async (beta) => {
+        await slide(page, 'Orientation against velocity (β)', beta);
+        await page.waitForFunction((b) => globalThis.articulaStudio.current.weight === b, beta, { timeout: 60_000 });
+        await page.evaluate(() => globalThis.articulaStudio.current.seek(0));
+        const counts = [];
+        for (let frame = 0; frame < 12; frame += 1) {
+          await page.evaluate((secs) => globalThis.articulaStudio.current.seek(secs), frame * SECS);
+          counts.push(await updated(page));
+        }
+        return counts.join();
+      };
+      const weights = [await weighed(0), await weighed(1), await weighed(0.5), await weighed(0)];
+      faults.push(...unless(weights[0] === weights[3] && new Set(weights).size === 3, `joints by weight: ${weights.join('; ')}`));
+      await slide(page, 'Orientation against velocity (β)', 0.5);
       await press(page, /^None$/);
 
       // What passive joints show, and how they get there.

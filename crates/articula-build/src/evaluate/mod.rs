@@ -25,7 +25,7 @@ mod stage;
 mod statistics;
 
 pub use baselines::thesis::{
-    BoneDirection, SegmentRadius, ThesisMetricOptions, error_matrix_table,
+    BoneDirection, SegmentRadius, ThesisMetricOptions, error_matrix_table, error_matrix_with,
 };
 pub use calibrate::{calibrate, sweep};
 pub(crate) use camera_path::camera_at;

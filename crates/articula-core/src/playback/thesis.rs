@@ -13,7 +13,7 @@ use crate::pose::LocalPose;
 use crate::rig::Rig;
 use std::sync::Arc;
 
-/// Normalised error of every joint at every frame of a clip.
+/// Normalised error of every joint at every frame of a clip, or at every key of one that is sampled more densely.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMatrix {
     joints: usize,
@@ -183,7 +183,11 @@ impl ThesisController {
             } else {
                 clip.at.before
             };
-            Some(matrix.frame(moving))
+            // Matrices have a frame for each key, clips more where they are sampled more densely.
+            let is_of_frames = matrix.frames() == clip.clip.frames();
+            let every = if is_of_frames { 1 } else { clip.clip.frames_per_key() };
+            let last = matrix.frames().saturating_sub(1);
+            Some(matrix.frame(moving.div_ceil(every).min(last)))
         });
         for joint in frame.allowed.iter() {
             let error = clip.and_then(|errors| errors.get(joint));

@@ -26,6 +26,7 @@ struct Evaluate {
     loa: Option<String>,
     distances: Vec<f32>,
     calibrate_px: Option<f32>,
+    beta: Option<f32>,
 }
 
 /// What an evaluation says.
@@ -40,8 +41,9 @@ struct Evaluated {
 impl Publisher {
     /// Plays a clip under a method of motion level of detail and measures what it saves and shows at each distance;
     /// returns JSON: `{clip, frames, rows: […]}`, with rows as in `articula lod --json`. `options` is JSON: `{clip?:
-    /// string, method?: string, loa?: string, distances?: number[], calibratePx?: number}`; methods are those of the
-    /// program, "all" for all of them, and `loa` is an expression, which alone decides.
+    /// string, method?: string, loa?: string, distances?: number[], calibratePx?: number, beta?: number}`; methods are
+    /// those of the program, "all" for all of them, `loa` is an expression, which alone decides, and `beta`, 0 to 1, weighs
+    /// orientation against angular velocity in the method "thesis".
     pub fn evaluate(
         bytes: &[u8],
         name: &str,
@@ -78,7 +80,7 @@ impl Publisher {
                 figure: &figure,
                 clip,
                 setup: EvaluationSetup::default(),
-                options: MethodOptions::default(),
+                options: options.parameters(),
             };
             let tables = scene.tables(&methods, options.distances(), options.tuning(), work)?;
             let evaluated = Evaluated {
@@ -102,12 +104,21 @@ impl Evaluate {
             let what = format!("distances: give at most {MAX_DISTANCES}, each of 0.01 to 100000 m");
             return Err(Fault::argument(what));
         }
+        weight(self.beta)?;
         match self.calibrate_px {
             Some(px) if !(px > 0.0 && px.is_finite()) => Err(Fault::argument(format!(
                 "calibratePx: {px} found, expected pixels above 0"
             ))),
             _ => Ok(()),
         }
+    }
+
+    fn parameters(&self) -> MethodOptions {
+        let mut options = MethodOptions::default();
+        if let Some(beta) = self.beta {
+            options.thesis.beta = beta;
+        }
+        options
     }
 
     fn distances(&self) -> &[f32] {
@@ -147,5 +158,15 @@ impl Evaluate {
                 )));
             }
         })
+    }
+}
+
+/// A weight of 0 to 1, if one is given.
+pub(super) fn weight(beta: Option<f32>) -> Result<Option<f32>> {
+    match beta {
+        Some(beta) if !(0.0..=1.0).contains(&beta) => Err(Fault::argument(format!(
+            "beta: {beta} found, expected 0 to 1"
+        ))),
+        beta => Ok(beta),
     }
 }

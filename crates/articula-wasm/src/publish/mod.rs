@@ -3,6 +3,7 @@
 
 mod benchmark;
 mod encode;
+mod error_matrix;
 mod evaluate;
 mod face;
 mod measured;

@@ -35,6 +35,7 @@ export type Task =
   | FileTask<'flatten'>
   | FileTask<'flattenMeasured'>
   | FileTask<'evaluate'>
+  | FileTask<'errorMatrix'>
   | FileTask<'optimize'>
   | FileTask<'benchmark'>
   | FileTask<'inspect'>
@@ -55,7 +56,9 @@ export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'ev
     ? PackagedBytes[]
     : Call extends 'flattenMeasured' | 'optimize'
       ? MeasuredBytes
-      : Uint8Array;
+      : Call extends 'errorMatrix'
+        ? Float32Array
+        : Uint8Array;
 
 /** What the page sends to a worker. */
 export interface Request {

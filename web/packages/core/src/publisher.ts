@@ -46,6 +46,8 @@ serve(
       }
       case 'benchmark':
         return Publisher.benchmark(bytes, name, options, report);
+      case 'errorMatrix':
+        return Publisher.errorMatrix(bytes, name, options, report);
       case 'evaluate':
         return Publisher.evaluate(bytes, name, options, report);
       default:

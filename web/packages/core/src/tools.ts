@@ -141,6 +141,16 @@ export interface EvaluateOptions extends TaskOptions {
   readonly distances?: readonly number[] | undefined;
   /** Finds the parameter that saves the most at an error of so many pixels. */
   readonly calibratePx?: number | undefined;
+  /** Weight of orientation against angular velocity in the method `thesis`, 0 to 1; 0.5 if left out. */
+  readonly beta?: number | undefined;
+}
+
+/** Options of {@link Tools.errorMatrix}. */
+export interface ErrorMatrixOptions extends TaskOptions {
+  /** The clip; the first if left out. */
+  readonly clip?: string | undefined;
+  /** Weight of orientation against angular velocity, 0 to 1; 0.5, as files store it, if left out. */
+  readonly beta?: number | undefined;
 }
 
 /** Options of {@link Tools.package}. */
@@ -168,7 +178,7 @@ const PORTRAIT_REPORT = 'report.json';
 const IS_PUBLISHED = /\.(glb|vrm)$/i;
 
 /** What the publisher does. */
-const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'addRecording', 'evaluate', 'optimize', 'benchmark', 'portrait', 'encode', 'encodeFace']);
+const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'addRecording', 'evaluate', 'errorMatrix', 'optimize', 'benchmark', 'portrait', 'encode', 'encodeFace']);
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -252,6 +262,12 @@ export class Tools {
       files: made.filter((part) => part.name !== PORTRAIT_PAGE && part.name !== PORTRAIT_REPORT),
       report: JSON.parse(new TextDecoder().decode(find(PORTRAIT_REPORT))),
     };
+  }
+
+  /** Returns the error of each joint at each key of a clip, as `Figure.setErrors` takes it. */
+  async errorMatrix(bytes: Uint8Array, name: string, options: ErrorMatrixOptions = {}): Promise<Float32Array> {
+    const file = await this.#published(bytes, name, options);
+    return this.#run({ call: 'errorMatrix', ...file, ...split(options) });
   }
 
   /** Returns a clip as a stream (.abp), its description (.gbsd.xml) and, of layers within a tolerance, aqos.xml. */

@@ -77,6 +77,11 @@ export class StageColumn {
     }
   }
 
+  /** Sets the errors of a clip by which thresholds decide; without, those of the file. */
+  weigh(clip: number, errors: Float32Array | undefined): void {
+    this.crew.forEach(({ core }) => core.setErrors(clip, errors));
+  }
+
   /** Changes the joints that may move, in a transition. */
   articulate(joints: Uint32Array): void {
     this.crew.forEach(({ core }) => core.articulate(joints));

@@ -1,5 +1,6 @@
 import { button, choice, section, slider } from '../ui/controls.js';
 import { h } from '../ui/dom.js';
+import { USUAL } from '../state.js';
 import type { Studio } from '../studio.js';
 import { TaskLine } from '../ui/status.js';
 
@@ -82,6 +83,7 @@ export class EvaluatePanel {
           ...(asset.clips.includes(state.clip) && { clip: state.clip }),
           ...(chosen ? { loa: this.#expression() } : { method: this.#method }),
           ...(this.#px > 0 && { calibratePx: this.#px }),
+          ...(state.beta !== USUAL.beta && { beta: state.beta }),
           ...watch,
         }),
       );

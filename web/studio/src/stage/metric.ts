@@ -51,7 +51,17 @@ export class MetricPanel {
     });
     const curve = segmented('Between them', [['literal', 'As printed'], ['fixed', 'Rising']], state.curve, (word) => set({ curve: word as StudioState['curve'] }));
     const lookup = slider({ label: 'Look-up', min: 1, max: 60, step: 1, value: state.lookup, shown: (n) => (n === 1 ? 'every frame' : `every ${n} frames`), onInput: (n) => set({ lookup: n }) });
-    this.#thesis = h('div', { class: 'stack' }, threshold.element, farthest.element, curve.element, lookup.element);
+    const beta = slider({
+      label: 'Orientation against velocity (β)',
+      min: 0,
+      max: 1,
+      step: 0.05,
+      value: state.beta,
+      shown: (b) => b.toFixed(2),
+      hint: 'What an error is: 1 counts how far a joint turns, 0 how its turning changes. Files store the errors of 0.50; others are found in a worker.',
+      onInput: (b) => set({ beta: b }),
+    });
+    this.#thesis = h('div', { class: 'stack' }, threshold.element, farthest.element, curve.element, lookup.element, beta.element);
     const transition = slider({ label: 'Transition', min: 0, max: 2, step: 0.05, value: state.transition, shown: (s) => (s === 0 ? 'none' : `${Math.round(1000 * s)} ms`), onInput: (s) => set({ transition: s }) });
     const ease = segmented('Course', [['smooth', 'Smooth'], ['linear', 'Linear']], state.ease, (word) => set({ ease: word as StudioState['ease'] }));
     const passive = segmented('Passive joints show', [['hold', 'Last pose'], ['rest', 'Rest pose']], state.passive, (word) => set({ passive: word as StudioState['passive'] }));

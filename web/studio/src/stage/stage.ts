@@ -13,11 +13,12 @@ import { FacePanel } from './face.js';
 import { chosenJoints, LEVELS, LevelsPanel, spoken } from './levels.js';
 import { LivePanel } from './live.js';
 import { MetricPanel } from './metric.js';
-import { placement } from './placement.js';
+import { dragged, placement } from './placement.js';
 import { RecordingPanel } from './recording.js';
 import { takeHome } from './take-home.js';
 import { Timeline } from './timeline.js';
 import { VoiceSound } from './voice.js';
+import { Weights } from './weights.js';
 
 /** Fields of the state whose change makes the metric and its transitions anew. */
 const STEERED = ['metric', 'pixels', 'threshold', 'farthest', 'curve', 'lookup', 'transition', 'ease', 'passive'] as const;
@@ -41,6 +42,7 @@ export class StagePage {
   readonly #camera: CameraPanel;
   readonly #recording: RecordingPanel;
   readonly #live = new LivePanel();
+  readonly #weights: Weights;
   readonly #labels = h('div', { class: 'column-labels' });
   readonly #counts = { active: h('b', {}), passive: h('b', {}), changing: h('b', {}) };
   #before: StudioState;
@@ -54,6 +56,7 @@ export class StagePage {
     this.#before = { ...studio.state };
     this.voice = new VoiceSound(studio.notices);
     this.timeline = new Timeline(studio, this.voice.element);
+    this.#weights = new Weights(studio);
     this.#levels = new LevelsPanel(studio);
     this.#metric = new MetricPanel(studio);
     this.#clips = new ClipsPanel(studio);
@@ -68,10 +71,12 @@ export class StagePage {
     studio.addEventListener('state', () => this.#follow());
     studio.addEventListener('character', () => this.#renew());
     studio.addEventListener('selection', () => this.#levels.renew());
+    dragged(studio, viewport, this.main);
   }
 
   mount(): void {
     this.#viewport.showIn(this.main, (dt) => this.#frame(dt));
+    this.#viewport.controls.enabled = !this.#studio.state.drag;
     this.#renew();
   }
 
@@ -79,8 +84,14 @@ export class StagePage {
     this.#camera.end();
     this.#recording.end();
     this.voice.end();
+    this.#viewport.controls.enabled = true;
     this.columns[0]?.dress({ ...this.#studio.state, body: 'solid' });
     this.#clear();
+  }
+
+  /** Weight of the errors by which thresholds decide now. */
+  get weight(): number {
+    return this.#weights.beta;
   }
 
   /** Draws a time of the clip and leaves it there. */
@@ -156,6 +167,7 @@ export class StagePage {
     this.main.classList.toggle('many', this.columns.length > 1);
     this.#face.apply();
     this.#play();
+    this.#weigh();
   }
 
   #clear(): void {
@@ -214,18 +226,30 @@ export class StagePage {
       this.#fit();
     }
     if (differs(...STEERED)) {
-      const rules = this.#rules();
-      this.columns.forEach((column, i) => column.steer(state, rules[i]));
+      this.#steer();
     }
     if (differs('clip')) {
       this.timeline.secs = 0;
       this.#play();
+    }
+    if (differs('beta', 'metric', 'clip')) {
+      this.#weigh();
     }
     if (differs('body', 'skeleton', 'radius', 'activeColor', 'passiveColor', 'changingColor')) {
       paintLegend(this.main, state);
       this.columns.forEach((column) => column.dress(state));
     }
     this.columns.forEach((column) => column.stand(state));
+  }
+
+  #steer(): void {
+    const rules = this.#rules();
+    this.columns.forEach((column, i) => column.steer(this.#studio.state, rules[i]));
+  }
+
+  /** Takes over the weight of the metric's errors, as soon as they are found. */
+  #weigh(): void {
+    void this.#weights.apply(this.columns, () => this.#steer());
   }
 
   #frame(dtSecs: number): void {

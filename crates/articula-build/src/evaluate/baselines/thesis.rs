@@ -80,13 +80,18 @@ pub(crate) fn radii(rig: &Rig, kind: SegmentRadius) -> Vec<f32> {
 /// Computes the error matrix of a clip at the rate of its keys, with default options: the table that
 /// an asset stores.
 pub fn error_matrix_table(asset: &Asset, clip: &Clip) -> ErrorMatrixTable {
-    let played = clip.at_key_rate();
-    let moving = moving_joints(asset, &played);
     ErrorMatrixTable {
         hashes: table_hashes(&asset.rig, clip, &asset.mesh),
-        rate_hz: played.rate_hz(),
-        matrix: error_matrix(asset, &played, &moving, &ThesisMetricOptions::default()),
+        rate_hz: clip.at_key_rate().rate_hz(),
+        matrix: error_matrix_with(asset, clip, &ThesisMetricOptions::default()),
     }
+}
+
+/// Computes the error matrix of a clip at the rate of its keys.
+pub fn error_matrix_with(asset: &Asset, clip: &Clip, options: &ThesisMetricOptions) -> ErrorMatrix {
+    let played = clip.at_key_rate();
+    let moving = moving_joints(asset, &played);
+    error_matrix(asset, &played, &moving, options)
 }
 
 /// The normalised matrix over all frames of a clip; the maximum over the joints of `moving`

@@ -377,6 +377,33 @@ fn the_thesis_reads_the_entry_of_the_motion_under_way() {
     assert_eq!(moving, [true, false, false, true, true, false]);
 }
 
+/// A matrix of keys, in a clip with two frames for each key.
+#[test]
+fn the_thesis_reads_keys_of_a_clip_that_is_sampled_more_densely() {
+    let rig = chain(1);
+    let clips = [swinging(1).with_frames_per_key(2)];
+    let model = Arc::new(FigureModel::new(rig.clone(), &clips).unwrap());
+    // It moves into key 2, frame 4, only.
+    let values = (0..=30).map(|i| if i == 2 { 1.0 } else { 0.0 });
+    let matrix = Arc::new(ErrorMatrix::new(1, values.collect()).unwrap());
+    let at_once = TransitionOptions {
+        secs: 0.0,
+        ..TransitionOptions::default()
+    };
+    let threshold = Threshold::constant(0.5);
+    let mut control = ThesisController::new(&rig, vec![Some(matrix)], threshold, 1, at_once);
+    let mut player = FigurePlayer::new(model, &[]);
+    let moving = [0.0f32, 1.0, 2.0, 2.5, 3.0, 3.5, 4.0, 4.5, 60.0].map(|frame| {
+        player.advance_to(f64::from(frame) / 30.0, frame / 30.0);
+        let control = player.control(&mut control, seen_at(1.0));
+        !control.updated.is_empty()
+    });
+    assert_eq!(
+        moving,
+        [true, false, false, true, true, true, true, false, false]
+    );
+}
+
 #[test]
 fn the_threshold_is_renewed_before_a_moving_camera() {
     let rig = chain(2);

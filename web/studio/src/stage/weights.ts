@@ -1,0 +1,49 @@
+import { USUAL } from '../state.js';
+import type { Studio } from '../studio.js';
+import type { StageColumn } from './column.js';
+
+/** Errors of the clip that is played by the weight that the metric has. */
+export class Weights {
+  /** The weight of the errors that figures have; some have other errors than their file if it is not the usual one. */
+  beta = USUAL.beta;
+  readonly #studio: Studio;
+  #isBusy = false;
+  /** What was asked for while errors were found. */
+  #next: (() => Promise<void>) | undefined;
+
+  constructor(studio: Studio) {
+    this.#studio = studio;
+  }
+
+  /** Gives columns the errors of their clip, then steers them by `then`; nothing where the file has them already. */
+  async apply(columns: readonly StageColumn[], then: () => void): Promise<void> {
+    if (this.#isBusy) {
+      this.#next = () => this.apply(columns, then);
+      return;
+    }
+    const { state, character } = this.#studio;
+    const { asset, bytes, name } = character;
+    const clip = Math.max(asset.clips.indexOf(state.clip), 0);
+    const { beta } = state;
+    const isUsual = beta === USUAL.beta;
+    if (state.metric !== 'thesis' || asset.clips.length === 0 || (isUsual && this.beta === USUAL.beta)) {
+      return;
+    }
+    this.#isBusy = true;
+    try {
+      const errors = isUsual ? undefined : await this.#studio.articula.tools.errorMatrix(bytes, name, { clip: asset.clips[clip], beta });
+      if (character === this.#studio.character) {
+        columns.forEach((column) => column.weigh(clip, errors));
+        this.beta = beta;
+        then();
+      }
+    } catch (error) {
+      this.#studio.notices.fault(error);
+    } finally {
+      this.#isBusy = false;
+    }
+    const next = this.#next;
+    this.#next = undefined;
+    await next?.();
+  }
+}
