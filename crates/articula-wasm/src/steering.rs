@@ -103,11 +103,11 @@ impl Figure {
             let (joints, keys) = (asset.rig.len(), (of.frames() - 1) / of.frames_per_key() + 1);
             if errors.len() != joints * keys {
                 let found = errors.len();
-                let what = format!("errors: {found} numbers, {joints} joints × {keys} keys are expected");
+                let what = format!("errors: {found} numbers, {joints} × {keys} are expected");
                 return Err(Fault::argument(what));
             }
-            let errors = ErrorMatrix::new(joints, errors);
-            stored.put(clip, errors.map_err(|error| Fault::argument(error.to_string()))?);
+            let errors = ErrorMatrix::new(joints, errors).map_err(|error| self.thrown(error))?;
+            stored.put(clip, errors);
         }
         self.errors = Some(stored);
         Ok(())

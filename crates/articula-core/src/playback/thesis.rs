@@ -184,8 +184,10 @@ impl ThesisController {
                 clip.at.before
             };
             // Matrices have a frame for each key, clips more where they are sampled more densely.
-            let is_of_frames = matrix.frames() == clip.clip.frames();
-            let every = if is_of_frames { 1 } else { clip.clip.frames_per_key() };
+            let every = match matrix.frames() == clip.clip.frames() {
+                true => 1,
+                false => clip.clip.frames_per_key(),
+            };
             let last = matrix.frames().saturating_sub(1);
             Some(matrix.frame(moving.div_ceil(every).min(last)))
         });

@@ -115,9 +115,7 @@ impl Written {
             }
         })
     }
-}
 
-impl Written {
     /// The picture that triangles of the file show.
     pub(super) fn texture(&self) -> Option<ShownTexture> {
         match &self.shown {

@@ -42,7 +42,9 @@ impl Publisher {
                 let asset = &figure.asset;
                 let matrix = error_matrix_with(asset, &asset.clips[clip], &weights);
                 let frames = 0..matrix.frames();
-                frames.flat_map(|frame| matrix.frame(frame).to_vec()).collect()
+                frames
+                    .flat_map(|frame| matrix.frame(frame).to_vec())
+                    .collect()
             }))
         })?;
         let none = || Fault::argument(format!("{name}: the file has no clip"));
