@@ -298,7 +298,7 @@ impl Figure {
     }
 
     /// An error about the file.
-    fn thrown(&self, error: impl Into<articula::Error>) -> Fault {
+    pub(crate) fn thrown(&self, error: impl Into<articula::Error>) -> Fault {
         Fault::of_file(&error.into(), self.figure.opened.name())
     }
 
