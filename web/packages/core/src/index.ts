@@ -10,6 +10,7 @@ export {
   type BenchmarkOptions,
   type ConvertOptions,
   type EncodeOptions,
+  type ErrorMatrixOptions,
   type EvaluateOptions,
   type FlattenOptions,
   type MeasuredFile,
