@@ -43,7 +43,8 @@ export const CONTROLS = [
       };
       const curves = [await at(/^Rising$/), await at(/^As printed$/)];
       faults.push(...unless(curves[0] !== curves[1], `both curves move ${curves[0]} joints at 6 m`));
-      // Another weight holds other joints than the errors of the file do, which come back.
+      // Another weight holds other joints than the errors of the file do, which come back; one threshold at all distances.
+      await press(page, /^Rising$/);
       await slide(page, 'Threshold at the viewer', -1);
       await slide(page, 'Threshold at 16 m', -1);
       const weighed = async (beta) => {
@@ -59,6 +60,13 @@ export const CONTROLS = [
       };
       const weights = [await weighed(0), await weighed(1), await weighed(0.5), await weighed(0)];
       faults.push(...unless(weights[0] === weights[3] && new Set(weights).size === 3, `joints by weight: ${weights.join('; ')}`));
+      // Columns that come while errors are found get them too.
+      await slide(page, 'Orientation against velocity (β)', 1);
+      await press(page, /^All levels$/);
+      await press(page, /^One view$/);
+      const again = await weighed(1);
+      const told = await page.getByRole('alert').filter({ visible: true }).count();
+      faults.push(...unless(again === weights[1] && told === 0, `after other columns: ${again}, before ${weights[1]}, ${told} faults told`));
       await slide(page, 'Orientation against velocity (β)', 0.5);
       await press(page, /^None$/);
 

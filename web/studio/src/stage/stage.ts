@@ -249,7 +249,7 @@ export class StagePage {
 
   /** Takes over the weight of the metric's errors, as soon as they are found. */
   #weigh(): void {
-    void this.#weights.apply(this.columns, () => this.#steer());
+    void this.#weights.apply(() => this.columns, () => this.#steer());
   }
 
   #frame(dtSecs: number): void {

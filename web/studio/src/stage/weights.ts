@@ -15,8 +15,11 @@ export class Weights {
     this.#studio = studio;
   }
 
-  /** Gives columns the errors of their clip, then steers them by `then`; nothing where the file has them already. */
-  async apply(columns: readonly StageColumn[], then: () => void): Promise<void> {
+  /**
+   * Gives the columns that there are then the errors of their clip, and steers them by `then`; nothing where the file has
+   * them already.
+   */
+  async apply(columns: () => readonly StageColumn[], then: () => void): Promise<void> {
     if (this.#isBusy) {
       this.#next = () => this.apply(columns, then);
       return;
@@ -33,7 +36,7 @@ export class Weights {
     try {
       const errors = isUsual ? undefined : await this.#studio.articula.tools.errorMatrix(bytes, name, { clip: asset.clips[clip], beta });
       if (character === this.#studio.character) {
-        columns.forEach((column) => column.weigh(clip, errors));
+        columns().forEach((column) => column.weigh(clip, errors));
         this.beta = beta;
         then();
       }
