@@ -141,9 +141,22 @@ pub trait LibmQuat: Sized {
     /// Returns the axis times the angle.
     #[must_use]
     fn libm_to_scaled_axis(self) -> Self::Vector;
+    /// Returns the shorter arc to another rotation.
+    #[must_use]
+    fn libm_arc(self, end: Self) -> LibmArc<Self>;
     /// Interpolates along the shorter arc at constant speed.
     #[must_use]
     fn libm_slerp(self, end: Self, share: Self::Scalar) -> Self;
+}
+
+/// The shorter arc between two rotations. It interpolates many shares with the bits of [`LibmQuat::libm_slerp`], and
+/// finds its angle once.
+#[derive(Debug, Clone, Copy)]
+pub struct LibmArc<Q: LibmQuat> {
+    start: Q,
+    end: Q,
+    /// The angle between both as vectors in radians, and its sine; `None` where it is too small to divide by.
+    angle: Option<(Q::Scalar, Q::Scalar)>,
 }
 
 macro_rules! rotation {
@@ -195,20 +208,40 @@ macro_rules! rotation {
                 axis * radians
             }
 
-            fn libm_slerp(self, end: Self, share: $scalar) -> Self {
-                // Summed as `math::dot` does.
-                let dot = |a: Self, b: Self| (a.x * b.x + a.z * b.z) + (a.y * b.y + a.w * b.w);
-                let cos = dot(self, end);
+            fn libm_arc(self, end: Self) -> LibmArc<Self> {
+                let cos = LibmArc::<$quat>::dot(self, end);
                 let end = if cos < 0.0 { -end } else { end };
                 let cos = cos.abs();
-                if cos > 1.0 - <$scalar>::EPSILON {
-                    let blend = self + (end - self) * share;
-                    return blend / dot(blend, blend).sqrt();
+                let is_far = cos <= 1.0 - <$scalar>::EPSILON;
+                let angle = is_far.then(|| cos.libm_acos());
+                LibmArc {
+                    start: self,
+                    end,
+                    angle: angle.map(|angle| (angle, angle.libm_sin())),
                 }
-                let angle = cos.libm_acos();
+            }
+
+            fn libm_slerp(self, end: Self, share: $scalar) -> Self {
+                self.libm_arc(end).at(share)
+            }
+        }
+
+        impl LibmArc<$quat> {
+            /// The rotation at a share of the arc, at constant speed.
+            #[must_use]
+            pub fn at(&self, share: $scalar) -> $quat {
+                let Some((angle, sin)) = self.angle else {
+                    let blend = self.start + (self.end - self.start) * share;
+                    return blend / Self::dot(blend, blend).sqrt();
+                };
                 let first = (angle * (1.0 - share)).libm_sin();
                 let second = (angle * share).libm_sin();
-                (self * first + end * second) / angle.libm_sin()
+                (self.start * first + self.end * second) / sin
+            }
+
+            /// Summed as `math::dot` does.
+            fn dot(a: $quat, b: $quat) -> $scalar {
+                (a.x * b.x + a.z * b.z) + (a.y * b.y + a.w * b.w)
             }
         }
     };

@@ -143,7 +143,7 @@ pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
 pub use level_skins::{LevelSkin, LevelSkins};
 pub use level_table::{LevelRow, LevelTable, SurfaceError};
 
-pub use elementary::{Libm, LibmQuat};
+pub use elementary::{Libm, LibmArc, LibmQuat};
 pub use lod_error::{ClipLodErrors, LodErrors, SMALL_PART, lod_error_metres};
 pub use math::{Transform, angle_between, nlerp, normalised, rotation_vector, same_hemisphere};
 pub use mesh::{Binding, Mesh, Morph, Part};

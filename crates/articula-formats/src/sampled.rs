@@ -2,7 +2,8 @@
 //! whose formats have neither scale nor nodes other than joints.
 
 use articula_core::LocalPose;
-use articula_core::source::{Channel, RawClip, Skeleton, evaluate};
+use articula_core::source::evaluate::Sampler;
+use articula_core::source::{Channel, RawClip, Skeleton};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 
 /// Smallest movement of a position that is written, as a fraction of the figure's size.
@@ -67,6 +68,7 @@ pub(crate) fn each_frame(
     let count = (clip.duration_secs.max(0.0) * rate_hz).round() as usize + 1;
     let mut jumps: Vec<f32> = clip.channels.iter().flat_map(Channel::jump_times).collect();
     jumps.sort_by(f32::total_cmp);
+    let mut sampler = Sampler::new(clip, skeleton);
     for frame in 0..count {
         let time_secs = (frame as f64 / f64::from(rate_hz)) as f32;
         // A frame that differs from a jump by rounding shows what is after it.
@@ -74,7 +76,7 @@ pub(crate) fn each_frame(
         let next = jumps.partition_point(|t| *t < time_secs);
         let jump = jumps.get(next).filter(|t| **t - time_secs < near);
         let time_secs = jump.copied().unwrap_or(time_secs);
-        evaluate::pose(clip, skeleton, time_secs, &mut pose);
+        sampler.pose(time_secs, &mut pose);
         show(&places(skeleton, &pose));
     }
 }

@@ -10,9 +10,8 @@ use crate::clip_edit::channel;
 use crate::clip_edit::pieces::{self, ComputedJoint, blend};
 use crate::clip_edit::similarity::Similarity;
 use crate::key_times::rising;
-use articula_core::source::{
-    Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton, evaluate,
-};
+use articula_core::source::evaluate::{self, Sampler};
+use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton};
 use articula_core::{LocalPose, Mismatch, Transform, angle_between};
 use glam::{DQuat, DVec3, Vec3};
 
@@ -145,8 +144,9 @@ impl Merge<'_> {
             ..RawClip::default()
         };
         let mut pose: LocalPose = self.skeleton.joints.iter().map(|j| j.rest).collect();
+        let mut sampler = Sampler::new(&used, self.skeleton);
         for time in times(&used, clip.duration_secs) {
-            evaluate::pose(&used, self.skeleton, time, &mut pose);
+            sampler.pose(time, &mut pose);
             for joint in [self.joint, self.parent] {
                 self.similarity(joint, pose.get(joint))?;
             }

@@ -3,7 +3,8 @@
 use super::rest::Rest;
 use crate::clip::MAX_NUMBERS;
 use crate::sampling_rate::{frame_times, keyed_rate, source_rate_hz};
-use articula_core::source::{Interpolation, Property, RawClip, Skeleton, evaluate};
+use articula_core::source::evaluate::Sampler;
+use articula_core::source::{Interpolation, Property, RawClip, Skeleton};
 use articula_core::{LocalPose, Mismatch, Transform, angle_between};
 use glam::{Affine3A, Quat, Vec3};
 
@@ -59,8 +60,9 @@ impl Motion {
             times_secs,
         };
         let mut matrices = vec![Affine3A::IDENTITY; rest.len()];
+        let mut sampler = Sampler::new(clip, skeleton);
         for frame in 0..motion.frames() {
-            evaluate::pose(clip, skeleton, motion.times_secs[frame], &mut pose);
+            sampler.pose(motion.times_secs[frame], &mut pose);
             motion.push(rest, &pose, &mut matrices);
         }
         if motion.positions.iter().any(|p| !p.is_finite()) {

@@ -4,6 +4,7 @@ use super::RetargetFigure;
 use super::motion::{JUMP_RADIANS, Motion};
 use super::rest::Rest;
 use crate::clip_edit::heading::yaw;
+use crate::sampling_rate::source_rate_hz;
 use articula_core::Mismatch;
 use articula_core::source::RawClip;
 
@@ -36,7 +37,9 @@ pub fn first_frame_jump(
     if !mapped(&rest).any(jumps) {
         return Ok(None);
     }
-    let motion = Motion::new(clip, figure.skeleton, &rest, None)?;
+    // Frames of a capture are its keys: no other rate needs to be looked for.
+    let rate_hz = Some(source_rate_hz(clip));
+    let motion = Motion::new(clip, figure.skeleton, &rest, rate_hz)?;
     Ok(motion.first_frame_jump(&rest))
 }
 

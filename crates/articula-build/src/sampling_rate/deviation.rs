@@ -3,9 +3,8 @@
 use super::{ON_GRID_FRAMES, USUAL_RATES_HZ, exact_rate, frame_time};
 use crate::key_times::rising;
 use crate::split_mix::SplitMix;
-use articula_core::source::{
-    Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton, evaluate,
-};
+use articula_core::source::evaluate::{self, Sampler};
+use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton};
 use articula_core::{LocalPose, angle_between, nlerp, same_hemisphere};
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 
@@ -39,6 +38,7 @@ const AS_GOOD: f32 = 1.25;
 pub(super) struct Follower<'a> {
     clip: &'a RawClip,
     skeleton: &'a Skeleton,
+    sampler: Sampler<'a>,
     /// Distance of the farthest skin of each joint, in its own space.
     reaches: Vec<f32>,
     skin_metres: f32,
@@ -74,6 +74,7 @@ impl<'a> Follower<'a> {
         Self {
             clip,
             skeleton,
+            sampler: Sampler::new(clip, skeleton),
             reaches: reaches(skeleton),
             skin_metres: SKIN_METRES.max(EXTENT_SHARE * extent(skeleton)),
             jumps: channels.map(|c| c.jump_times().next().is_some()).collect(),
@@ -115,7 +116,7 @@ impl<'a> Follower<'a> {
             if self.is_in_jump(time, frames.rate_hz) {
                 continue;
             }
-            evaluate::pose(self.clip, self.skeleton, time, &mut self.wanted.local);
+            self.sampler.pose(time, &mut self.wanted.local);
             let weights = self.show(time, frames);
             greatest = greatest.max(weights).max(self.apart());
             if greatest > enough {

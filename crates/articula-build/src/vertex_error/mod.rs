@@ -2,13 +2,16 @@
 //!
 //! - `posed`: a character whose vertices are posed
 //! - `reference`: one clip beside many versions of it
+//! - `skin`: its vertices, without influences of no weight
 
 mod posed;
 mod reference;
+mod skin;
 
 pub use posed::PosedVertices;
 pub use reference::ReferenceClip;
 
+use crate::key_times::key_times;
 use crate::split_mix::SplitMix;
 use articula_core::source::RawClip;
 
@@ -39,10 +42,9 @@ pub fn greatest_vertex_error(
     worst.sqrt()
 }
 
-/// The times at which a clip is posed, in no order.
+/// The times at which a clip is posed, ascending.
 fn times(clip: &RawClip, seed: u64) -> Vec<f32> {
-    let keys = clip.channels.iter().flat_map(|c| &c.times_secs);
-    let mut times: Vec<f32> = keys.copied().collect();
+    let mut times: Vec<f32> = key_times(clip).collect();
     times.sort_by(f32::total_cmp);
     times.dedup();
     let middles: Vec<f32> = times.windows(2).map(|w| 0.5 * (w[0] + w[1])).collect();
@@ -54,6 +56,7 @@ fn times(clip: &RawClip, seed: u64) -> Vec<f32> {
     }
     times.truncate(MAX_TIMES);
     times.extend((0..RANDOM_TIMES).map(|_| clip.duration_secs * random.unit()));
+    times.sort_by(f32::total_cmp);
     times
 }
 

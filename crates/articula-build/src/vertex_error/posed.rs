@@ -1,7 +1,8 @@
 //! A character whose vertices are posed as its file is read.
 
 use crate::moment::Moment;
-use articula_core::source::{Character, Property, RawClip, evaluate};
+use articula_core::source::evaluate::{self, Sampler};
+use articula_core::source::{Character, Property, RawClip};
 use articula_core::{
     Articulation, LocalPose, Mesh, Mismatch, ModelPose, Morph, Rig, local_to_model, palette,
 };
@@ -75,9 +76,18 @@ impl<'a> PosedVertices<'a> {
         &self.points
     }
 
+    /// A sampler of a clip, for [`Self::palette_at`].
+    pub(super) fn sampler<'b>(&self, clip: &'b RawClip) -> Sampler<'b>
+    where
+        'a: 'b,
+    {
+        Sampler::new(clip, &self.character.skeleton)
+    }
+
     /// The matrices of all bindings at a time of a clip in seconds.
-    pub(super) fn palette_at(&mut self, clip: &RawClip, secs: f32) -> &[Affine3A] {
-        self.pose(Some(clip), secs);
+    pub(super) fn palette_at(&mut self, clip: &mut Sampler<'_>, secs: f32) -> &[Affine3A] {
+        clip.pose(secs, &mut self.local);
+        local_to_model(&self.rig, &self.local, &mut self.model);
         palette(&self.mesh, &self.model, &mut self.palette);
         &self.palette
     }
@@ -204,7 +214,7 @@ impl<'a> PosedVertices<'a> {
 }
 
 /// A vertex by the matrices of its joints.
-pub(super) fn skinned(mesh: &Mesh, palette: &[Affine3A], vertex: usize, point: Vec3) -> Vec3 {
+fn skinned(mesh: &Mesh, palette: &[Affine3A], vertex: usize, point: Vec3) -> Vec3 {
     let of_vertex = vertex * mesh.influences..(vertex + 1) * mesh.influences;
     let bindings = &mesh.binding_indices[of_vertex.clone()];
     let mut sum = Vec3A::ZERO;

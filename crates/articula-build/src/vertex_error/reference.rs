@@ -1,8 +1,8 @@
 //! One clip beside many versions of it.
 
-use super::posed::{PosedVertices, skinned};
+use super::posed::PosedVertices;
+use super::skin::Skin;
 use super::{greatest_vertex_error, times};
-use articula_core::Mesh;
 use articula_core::source::{Property, RawClip};
 use glam::{Affine3A, Vec3, Vec3A};
 use std::collections::BTreeMap;
@@ -31,9 +31,9 @@ pub struct ReferenceClip<'a> {
 struct Bounds {
     groups: Vec<Group>,
     times_secs: Vec<f32>,
-    /// Vertices before they are skinned, of the source and as they are stored.
-    wanted: Vec<Vec3>,
-    shown: Vec<Vec3>,
+    /// Vertices of the source and as they are stored.
+    wanted: Skin,
+    shown: Skin,
     /// Palettes of each time in turn, of the source and of the stored mesh.
     wanted_palettes: Vec<Affine3A>,
     shown_palettes: Vec<Affine3A>,
@@ -87,7 +87,7 @@ impl<'a> ReferenceClip<'a> {
             wanted: self.wanted.clone(),
             shown: self.wanted.clone(),
             seed: self.seed,
-            bounds: bounds.map(|bounds| bounds.on_source(&self.wanted.mesh)),
+            bounds: bounds.map(Bounds::on_source),
         }
     }
 
@@ -115,7 +115,7 @@ impl<'a> ReferenceClip<'a> {
     pub fn greatest_error(&self, version: &RawClip) -> f32 {
         match &self.bounds {
             Some(bounds) if !moves_vertices(version) => {
-                bounds.greatest_error(&self.wanted.mesh, &mut self.shown.clone(), version)
+                bounds.greatest_error(&mut self.shown.clone(), version)
             }
             _ => self.of_all_vertices(version),
         }
@@ -141,12 +141,12 @@ impl Bounds {
         seed: u64,
     ) -> Self {
         let (wanted, shown) = (from.blended(), to.blended());
-        let longest = wanted
-            .iter()
-            .map(|p| p.length_squared())
-            .fold(0.0, f32::max);
+        let wanted = Skin::new(&from.mesh, &wanted);
+        let shown = Skin::new(&to.mesh, &shown);
+        let lengths = wanted.points().iter().map(|p| p.length_squared());
+        let longest = lengths.fold(0.0, f32::max);
         let mut bounds = Self {
-            groups: groups(&to.mesh, &shown),
+            groups: groups(&shown),
             times_secs: times(clip, seed),
             wanted,
             shown,
@@ -155,22 +155,22 @@ impl Bounds {
             rounding: Vec::new(),
             slack: ROUNDING * longest.sqrt(),
         };
+        let mut sampler = from.sampler(clip);
         for secs in bounds.times_secs.clone() {
-            let palette = from.palette_at(clip, secs);
+            let palette = from.palette_at(&mut sampler, secs);
             bounds.wanted_palettes.extend_from_slice(palette);
             let palette = to.palette_as(from, clip);
             bounds.shown_palettes.extend_from_slice(palette);
-            let pairs = [(&*from.mesh, &*from.palette), (&*to.mesh, &*to.palette)];
             for group in &bounds.groups {
-                let squared = bounds.squared_error(&group.vertices, pairs);
+                let squared = bounds.squared_error(&group.vertices, [&from.palette, &to.palette]);
                 bounds.rounding.push(squared.sqrt());
             }
         }
         bounds
     }
 
-    fn on_source(&self, mesh: &Mesh) -> Self {
-        let groups = groups(mesh, &self.wanted);
+    fn on_source(&self) -> Self {
+        let groups = groups(&self.wanted);
         Self {
             rounding: vec![0.0; groups.len() * self.times_secs.len()],
             groups,
@@ -183,17 +183,13 @@ impl Bounds {
         }
     }
 
-    fn greatest_error(
-        &self,
-        wanted: &Mesh,
-        shown: &mut PosedVertices<'_>,
-        version: &RawClip,
-    ) -> f32 {
+    fn greatest_error(&self, shown: &mut PosedVertices<'_>, version: &RawClip) -> f32 {
         let count = shown.mesh.bindings.len();
         let mut palettes = Vec::with_capacity(self.shown_palettes.len());
         let mut most = Vec::with_capacity(self.rounding.len());
+        let mut sampler = shown.sampler(version);
         for (time, secs) in self.times_secs.iter().enumerate() {
-            let palette = shown.palette_at(version, *secs);
+            let palette = shown.palette_at(&mut sampler, *secs);
             let reference = &self.shown_palettes[time * count..][..count];
             for (g, group) in self.groups.iter().enumerate() {
                 let rounding = self.rounding[time * self.groups.len() + g];
@@ -201,46 +197,49 @@ impl Bounds {
             }
             palettes.extend_from_slice(palette);
         }
-        most.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let of_wanted = wanted.bindings.len();
-        let mut worst = 0.0f32;
-        for (most, time, g) in most {
-            if (most + self.slack).powi(2) <= worst {
-                break;
-            }
+        let of_wanted = self.wanted_palettes.len() / self.times_secs.len();
+        let error = |(_, time, g): &(f32, usize, usize)| {
             let from = &self.wanted_palettes[time * of_wanted..][..of_wanted];
             let to = &palettes[time * count..][..count];
-            let pairs = [(wanted, from), (&*shown.mesh, to)];
-            worst = worst.max(self.squared_error(&self.groups[g].vertices, pairs));
+            self.squared_error(&self.groups[*g].vertices, [from, to])
+        };
+        let may_exceed = |of: &(f32, usize, usize), worst: f32| (of.0 + self.slack).powi(2) > worst;
+        // One that is far leaves few that may be farther.
+        let first = most.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let mut worst = first.map_or(0.0, error);
+        most.retain(|of| may_exceed(of, worst));
+        most.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for of in most {
+            if !may_exceed(&of, worst) {
+                break;
+            }
+            worst = worst.max(error(&of));
         }
         worst.sqrt()
     }
 
-    /// Greatest squared distance of some vertices between two meshes, each with a palette.
-    fn squared_error(&self, vertices: &[u32], [from, to]: [(&Mesh, &[Affine3A]); 2]) -> f32 {
+    /// Greatest squared distance of some vertices between both meshes, each with a palette.
+    fn squared_error(&self, vertices: &[u32], [from, to]: [&[Affine3A]; 2]) -> f32 {
         let squares = vertices.iter().map(|v| {
             let v = *v as usize;
-            let wanted = skinned(from.0, from.1, v, self.wanted[v]);
-            wanted.distance_squared(skinned(to.0, to.1, v, self.shown[v]))
+            let wanted = self.wanted.at(v, from);
+            wanted.distance_squared(self.shown.at(v, to))
         });
         squares.fold(0.0, f32::max)
     }
 }
 
 /// The vertices of a mesh by the binding that they follow most.
-fn groups(mesh: &Mesh, points: &[Vec3]) -> Vec<Group> {
+fn groups(skin: &Skin) -> Vec<Group> {
     let mut groups: BTreeMap<u16, Group> = BTreeMap::new();
-    for (v, point) in points.iter().enumerate() {
-        let of_vertex = v * mesh.influences..(v + 1) * mesh.influences;
-        let bindings = mesh.binding_indices[of_vertex.clone()].iter();
-        let pairs = bindings.zip(&mesh.weights[of_vertex]);
-        let pairs: Vec<(u16, f32)> = pairs.map(|(b, w)| (*b, *w)).filter(|p| p.1 > 0.0).collect();
-        let most = pairs.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    for (v, point) in skin.points().iter().enumerate() {
+        let influences = skin.influences(v);
+        let most = influences.iter().max_by(|a, b| a.1.total_cmp(&b.1));
         let group = groups.entry(most.map_or(0, |most| most.0)).or_default();
         group.vertices.push(v as u32);
-        group.weight = group.weight.max(pairs.iter().map(|p| p.1).sum());
-        for (binding, _) in pairs {
-            group.include(usize::from(binding), (*point).into());
+        group.weight = group.weight.max(influences.iter().map(|(_, w)| w).sum());
+        for (binding, _) in influences {
+            group.include(usize::from(*binding), *point);
         }
     }
     groups.into_values().collect()

@@ -6,7 +6,7 @@
 //! last value after its last key.
 
 use super::{Channel, Interpolation, Property, RawClip, Skeleton};
-use crate::LibmQuat;
+use crate::elementary::{LibmArc, LibmQuat};
 use crate::math::same_hemisphere;
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3, Vec4};
@@ -94,6 +94,136 @@ pub fn pose(clip: &RawClip, skeleton: &Skeleton, time_secs: f32, out: &mut Local
     }
 }
 
+/// Evaluates a clip at many times, with the bits of [`pose`]. What a pair of keys has in common is found once for times
+/// that follow each other between them.
+#[derive(Debug, Clone)]
+pub struct Sampler<'a> {
+    clip: &'a RawClip,
+    skeleton: &'a Skeleton,
+    /// Of each channel, the one in which it was evaluated last.
+    segments: Vec<Segment>,
+}
+
+/// An interval of a channel without a key inside.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    start_secs: f32,
+    end_secs: f32,
+    curve: Curve,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Curve {
+    Constant([f32; 4]),
+    Line([f32; 4], [f32; 4]),
+    Arc(LibmArc<Quat>),
+    Spline,
+}
+
+impl<'a> Sampler<'a> {
+    /// Starts before the first key.
+    pub fn new(clip: &'a RawClip, skeleton: &'a Skeleton) -> Self {
+        let nowhere = Segment {
+            start_secs: f32::INFINITY,
+            end_secs: f32::NEG_INFINITY,
+            curve: Curve::Spline,
+        };
+        Self {
+            clip,
+            skeleton,
+            segments: vec![nowhere; clip.channels.len()],
+        }
+    }
+
+    /// Writes the local pose at a time as [`pose`] does.
+    ///
+    /// # Panics
+    /// If `out` belongs to another skeleton, or a channel targets a joint out of range.
+    pub fn pose(&mut self, time_secs: f32, out: &mut LocalPose) {
+        assert_eq!(
+            out.rotations.len(),
+            self.skeleton.joints.len(),
+            "the pose must belong to this skeleton"
+        );
+        for (j, joint) in self.skeleton.joints.iter().enumerate() {
+            out.set(j, joint.rest);
+        }
+        for (c, segment) in self.clip.channels.iter().zip(&mut self.segments) {
+            if !c.property.is_of_joint() {
+                continue;
+            }
+            if !(segment.start_secs..segment.end_secs).contains(&time_secs) {
+                *segment = Segment::at(c, time_secs);
+            }
+            let value = segment.value(c, time_secs);
+            match c.property {
+                Property::Translation => out.translations[c.target] = Vec3::from_slice(&value),
+                Property::Scale => out.scales[c.target] = Vec3::from_slice(&value),
+                _ => out.rotations[c.target] = Quat::from_array(value),
+            }
+        }
+    }
+}
+
+impl Segment {
+    fn at(c: &Channel, time_secs: f32) -> Self {
+        let times = &c.times_secs;
+        let after = times.partition_point(|t| *t <= time_secs);
+        let key = |key: usize| {
+            let value = &c.values[key * width(c.property)..][..width(c.property)];
+            let mut four = [0.0; 4];
+            four[..value.len()].copy_from_slice(value);
+            four
+        };
+        let holds = after == 0 || after == times.len();
+        let curve = if c.interpolation == Interpolation::CubicSpline {
+            Curve::Spline
+        } else if holds || c.interpolation == Interpolation::Step {
+            let value = key(after.saturating_sub(1));
+            Curve::Constant(match c.property {
+                Property::Rotation => quat(&value).to_array(),
+                _ => value,
+            })
+        } else if c.property == Property::Rotation {
+            let (a, b) = (quat(&key(after - 1)), quat(&key(after)));
+            Curve::Arc(a.libm_arc(same_hemisphere(a, b)))
+        } else {
+            Curve::Line(key(after - 1), key(after))
+        };
+        let before = after.checked_sub(1);
+        Self {
+            start_secs: before.map_or(f32::NEG_INFINITY, |before| times[before]),
+            end_secs: times.get(after).copied().unwrap_or(f32::INFINITY),
+            curve,
+        }
+    }
+
+    fn value(&self, c: &Channel, time_secs: f32) -> [f32; 4] {
+        let share = || (time_secs - self.start_secs) / (self.end_secs - self.start_secs);
+        match &self.curve {
+            Curve::Constant(value) => *value,
+            Curve::Line(a, b) => {
+                let share = share();
+                std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
+            }
+            Curve::Arc(arc) => quat(&arc.at(share()).to_array()).to_array(),
+            Curve::Spline => {
+                let mut value = [0.0; 4];
+                channel(c, time_secs, &mut value[..width(c.property)]);
+                value
+            }
+        }
+    }
+}
+
+/// Number of floats in a value of a channel of a joint.
+fn width(property: Property) -> usize {
+    match property {
+        Property::Rotation => 4,
+        _ => 3,
+    }
+}
+
 fn quat(value: &[f32]) -> Quat {
     let v = Vec4::from_slice(value);
     let length = v.length();
@@ -107,7 +237,10 @@ fn quat(value: &[f32]) -> Quat {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Transform;
     use crate::math::angle_between;
+    use crate::source::Joint;
+    use proptest::prelude::*;
 
     fn keys(interpolation: Interpolation, values: Vec<f32>) -> Channel {
         Channel {
@@ -154,5 +287,81 @@ mod tests {
         let mut out = [0.0; 4];
         channel(&c, 1.5, &mut out);
         assert!(angle_between(Quat::from_array(out), Quat::from_rotation_y(0.25)) < 1e-5);
+    }
+
+    fn any_channel() -> impl Strategy<Value = Channel> {
+        let property = prop_oneof![
+            Just(Property::Translation),
+            Just(Property::Rotation),
+            Just(Property::Scale)
+        ];
+        let interpolation = prop_oneof![
+            Just(Interpolation::Linear),
+            Just(Interpolation::Step),
+            Just(Interpolation::CubicSpline)
+        ];
+        let steps = prop::collection::vec(0.01f32..0.5, 1..6);
+        let values = prop::collection::vec(-1.0f32..1.0, 60);
+        (0..3usize, property, interpolation, steps, values).prop_map(
+            |(target, property, interpolation, steps, mut values)| {
+                let parts = if interpolation == Interpolation::CubicSpline {
+                    3
+                } else {
+                    1
+                };
+                values.truncate(steps.len() * parts * width(property));
+                let times_secs = steps.iter().scan(-0.1, |secs, step| {
+                    *secs += step;
+                    Some(*secs)
+                });
+                Channel {
+                    target,
+                    property,
+                    interpolation,
+                    times_secs: times_secs.collect(),
+                    values,
+                }
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn a_sampler_has_the_bits_of_single_poses(
+            channels in prop::collection::vec(any_channel(), 0..6),
+            mut times in prop::collection::vec(-0.2f32..2.5, 1..20),
+            is_sorted: bool,
+        ) {
+            let joint = |name: &str| Joint {
+                name: name.into(),
+                parent: None,
+                rest: Transform::from_translation(Vec3::Y),
+                in_skin: false,
+            };
+            let skeleton = Skeleton { joints: ["a", "b", "c"].map(joint).to_vec() };
+            let on_keys = channels.iter().flat_map(|c| &c.times_secs).copied();
+            times.extend(on_keys.collect::<Vec<_>>());
+            if is_sorted {
+                times.sort_by(f32::total_cmp);
+            }
+            let clip = RawClip { name: String::new(), duration_secs: 2.0, channels };
+            let mut sampler = Sampler::new(&clip, &skeleton);
+            let mut wanted: LocalPose = [Transform::IDENTITY; 3].into_iter().collect();
+            let mut found = wanted.clone();
+            for secs in times {
+                pose(&clip, &skeleton, secs, &mut wanted);
+                sampler.pose(secs, &mut found);
+                let bits = |pose: &LocalPose| -> Vec<u32> {
+                    let joints = 0..3;
+                    let floats = joints.flat_map(|j| {
+                        let rotation = pose.rotations[j].to_array();
+                        let [moved, scale] = [pose.translations[j], pose.scales[j]];
+                        rotation.into_iter().chain(moved.to_array()).chain(scale.to_array())
+                    });
+                    floats.map(f32::to_bits).collect()
+                };
+                prop_assert_eq!(bits(&wanted), bits(&found));
+            }
+        }
     }
 }

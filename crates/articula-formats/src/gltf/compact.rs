@@ -4,8 +4,9 @@
 use super::append::{index, short};
 use super::document::Document;
 use super::prune::{each_accessor_reference, has_unknown_extension};
+use foldhash::{HashMap, HashMapExt};
 use serde_json::{Number, Value};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 impl Document {
     /// Stores equal arrays once, and writes numbers with the fewest digits that read back as the same
@@ -21,7 +22,7 @@ impl Document {
             return;
         }
         let accessors = self.json.get("accessors").and_then(Value::as_array);
-        let mut first = HashMap::new();
+        let mut first = HashMap::with_capacity(accessors.map_or(0, Vec::len));
         let mut of_same = Vec::new();
         let mut copies = BTreeSet::new();
         for (i, accessor) in accessors.into_iter().flatten().enumerate() {

@@ -80,10 +80,11 @@ pub fn close_loop(
         }
     }
     let (mut a, mut b) = (subject.rest(), subject.rest());
+    let (mut before, mut after) = (subject.sampler(clip), subject.sampler(&out));
     let mut moved_metres = 0.0f32;
     for secs in grid([clip, &out], end) {
-        subject.pose(clip, secs, &mut a);
-        subject.pose(&out, secs, &mut b);
+        subject.next_pose(&mut before, secs, &mut a);
+        subject.next_pose(&mut after, secs, &mut b);
         for j in 0..subject.rig.len() {
             moved_metres = moved_metres.max(a.model.position(j).distance(b.model.position(j)));
         }

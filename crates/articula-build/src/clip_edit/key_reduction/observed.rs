@@ -32,9 +32,9 @@ impl<'a> Observed<'a> {
         let times = grid([clip], clip.duration_secs);
         let of_joint = size_of::<Transform>() + size_of::<Affine3A>();
         let is_kept = times.len() * subject.rig.len() * of_joint <= MAX_BYTES;
-        let mut posed = subject.rest();
+        let (mut sampler, mut posed) = (subject.sampler(clip), subject.rest());
         let poses = times.iter().filter(|_| is_kept).map(|secs| {
-            subject.pose(clip, *secs, &mut posed);
+            subject.next_pose(&mut sampler, *secs, &mut posed);
             posed.clone()
         });
         let poses = poses.collect();

@@ -173,12 +173,13 @@ impl<'a> Proof<'a> {
             ..
         } = self.source;
         let mut worst: Vec<Option<Breach>> = vec![None; subject.rig.len()];
+        let mut sampler = subject.sampler(shown);
         for (i, time) in self.source.times.iter().copied().enumerate() {
             if !std::mem::replace(&mut self.is_open[i], false) {
                 continue;
             }
             let wanted = self.source.pose(i, &mut self.wanted);
-            subject.pose(shown, time, &mut self.played);
+            subject.next_pose(&mut sampler, time, &mut self.played);
             morphs.errors(clip, &shown.channels, time, &mut self.morphed);
             self.errors[i] = 0.0;
             for joint in 0..subject.rig.len() {

@@ -276,9 +276,10 @@ impl<'a> Split<'a> {
         };
         let mut times = grid([self.clip, out], self.clip.duration_secs);
         times.retain(|t| !in_jump(*t));
+        let (mut from, mut to) = (self.subject.sampler(self.clip), self.subject.sampler(out));
         for secs in times {
-            self.subject.pose(self.clip, secs, &mut self.posed);
-            self.subject.pose(out, secs, &mut shown);
+            self.subject.next_pose(&mut from, secs, &mut self.posed);
+            self.subject.next_pose(&mut to, secs, &mut shown);
             let back = if self.in_place {
                 self.trajectory.step(secs, &self.posed)
             } else {

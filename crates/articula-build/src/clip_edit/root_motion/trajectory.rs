@@ -90,9 +90,10 @@ impl<'a> Trajectory<'a> {
     /// The trajectory at ascending times.
     pub(in super::super) fn keys(&self, times: &[f32]) -> Vec<TrajectoryKey> {
         let mut posed = self.subject.rest();
+        let mut sampler = self.subject.sampler(self.clip);
         let mut yaw = 0.0;
         let key = |secs: &f32| {
-            self.subject.pose(self.clip, *secs, &mut posed);
+            self.subject.next_pose(&mut sampler, *secs, &mut posed);
             let place = self.place(*secs, &posed);
             yaw = followed(yaw, place.yaw);
             let way = place.ground - self.start.ground;
