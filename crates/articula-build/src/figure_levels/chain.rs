@@ -2,11 +2,16 @@
 
 use articula_core::{FigureLevel, Mesh, Part};
 
-/// Maximum cost of a level relative to the level before.
+/// Maximum cost of a level, relative to the level before.
 const WORTH: f32 = 0.88;
 
-/// Ratio of successive tolerances: half an octave.
-const STEP: f32 = std::f32::consts::SQRT_2;
+/// Most draws of a character's levels: a level is drawn once for each of its materials and for each of the usual
+/// sources of poses.
+const DRAWS: usize = 60;
+const SOURCES: usize = 2;
+
+/// Ratio of successive tolerances: a quarter of an octave.
+const STEP: f32 = 1.189_207_1;
 
 /// A combination of skin and mesh level, with its error.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +20,8 @@ pub(super) struct Candidate {
     pub(super) level: FigureLevel,
     /// Maximum over all clips, in metres.
     pub(super) error_metres: f32,
+    /// Number of materials of its mesh.
+    pub(super) materials: usize,
 }
 
 impl Candidate {
@@ -28,8 +35,14 @@ impl Candidate {
 }
 
 /// Selects, for rising tolerances, the cheapest candidate that has no more joints, triangles or
-/// influences than the one before. The full character comes first.
-pub(super) fn choose(mut all: Vec<Candidate>, first_metres: f32, most: usize) -> Vec<Candidate> {
+/// influences than the one before. The full character comes first. Costs are relative to the level before, so
+/// that halving a few triangles is worth as much as halving many. Of too many levels those are left out that save
+/// least in a crowd, the farthest of which are shown within `far_metres`.
+pub(super) fn choose(
+    mut all: Vec<Candidate>,
+    (first_metres, far_metres): (f32, f32),
+    most: usize,
+) -> Vec<Candidate> {
     let Some(full) = all.iter().copied().reduce(|a, b| {
         let finer = b.is_within(&a.level);
         if finer { a } else { b }
@@ -50,23 +63,23 @@ pub(super) fn choose(mut all: Vec<Candidate>, first_metres: f32, most: usize) ->
     let mut tolerance = first_metres.max(1e-6);
     // Beyond a kilometre there is nothing left to drop.
     while tolerance < 1e3 {
-        let last = chain[chain.len() - 1];
-        let fits = |c: &&Candidate| c.error_metres <= tolerance && c.is_within(&last.level);
-        let order = |c: &&Candidate| (c.level.cost, c.error_metres);
-        let best = all.iter().filter(fits).min_by(|a, b| {
-            let ((cost, error), (other, its)) = (order(a), order(b));
-            cost.total_cmp(&other).then(error.total_cmp(&its))
+        let last = chain[chain.len() - 1].level;
+        let fits = |c: &&Candidate| c.error_metres <= tolerance && c.is_within(&last);
+        let costs = all.iter().filter(fits).map(|c| (cost(&c.level, &last), c));
+        let best = costs.min_by(|(cost, a), (other, b)| {
+            let by_error = a.error_metres.total_cmp(&b.error_metres);
+            cost.total_cmp(other).then(by_error)
         });
-        if let Some(best) = best.filter(|b| b.level.cost <= WORTH * last.level.cost) {
+        if let Some((_, best)) = best.filter(|b| b.0 <= WORTH * cost(&last, &last)) {
             chain.push(*best);
         }
         tolerance *= STEP;
     }
-    // Too many levels: drop the inner level whose neighbours have the most similar cost.
-    while chain.len() > most.max(1) {
-        let ratio = |i: usize| chain[i + 1].level.cost / chain[i - 1].level.cost;
+    let draws = |chain: &[Candidate]| SOURCES * chain.iter().map(|c| c.materials).sum::<usize>();
+    while chain.len() > most.max(1) || chain.len() > 2 && draws(&chain) > DRAWS {
         let inner = 1..chain.len() - 1;
-        match inner.max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)).then(b.cmp(a))) {
+        let worth = |i: usize| saved(&chain[i - 1..=i + 1], far_metres);
+        match inner.min_by(|a, b| worth(*a).total_cmp(&worth(*b)).then(a.cmp(b))) {
             Some(at) => chain.remove(at),
             None => chain.remove(chain.len() - 1),
         };
@@ -74,14 +87,26 @@ pub(super) fn choose(mut all: Vec<Candidate>, first_metres: f32, most: usize) ->
     chain
 }
 
-/// Joints, triangles and influences of all vertices, as fractions of those of the full character.
-fn cost(level: &FigureLevel, full: &FigureLevel) -> f32 {
+/// What the second of three levels saves in a crowd that is spread evenly over the ground: as many are shown within a
+/// tolerance as its square tells, up to that of the farthest.
+fn saved(levels: &[Candidate], far_metres: f32) -> f32 {
+    let [finer, level, coarser] = levels else {
+        return 0.0;
+    };
+    let shown = |c: &Candidate| c.error_metres.min(far_metres).powi(2);
+    (1.0 - cost(&level.level, &finer.level) / 3.0)
+        * finer.level.triangles as f32
+        * (shown(coarser) - shown(level))
+}
+
+/// Joints, triangles and influences of all vertices, as fractions of those of a finer level.
+fn cost(level: &FigureLevel, finer: &FigureLevel) -> f32 {
     let part = |own: usize, all: usize| own as f32 / all.max(1) as f32;
-    part(level.joints, full.joints)
-        + part(level.triangles, full.triangles)
+    part(level.joints, finer.joints)
+        + part(level.triangles, finer.triangles)
         + part(
             level.vertices * level.influences,
-            full.vertices * full.influences,
+            finer.vertices * finer.influences,
         )
 }
 
@@ -91,6 +116,16 @@ pub(super) fn vertices(triangles: &[[u32; 3]]) -> usize {
     used.sort_unstable();
     used.dedup();
     used.len()
+}
+
+/// Number of materials of the parts that triangles belong to.
+pub(super) fn materials(full: &Mesh, triangles: &[[u32; 3]]) -> usize {
+    let shown = parts(full, triangles);
+    let shown = shown.iter().filter(|part| !part.triangles.is_empty());
+    let mut materials: Vec<Option<usize>> = shown.map(|part| part.material).collect();
+    materials.sort_unstable();
+    materials.dedup();
+    materials.len()
 }
 
 /// The parts of a mesh with their triangles at a level. Triangles of a part are contiguous, and a
@@ -126,6 +161,7 @@ mod tests {
                 cost: 0.0,
             },
             error_metres: error_mm / 1000.0,
+            materials: 1,
         }
     }
 
@@ -150,15 +186,18 @@ mod tests {
             candidate(49, 400, 2, 3.0),
             candidate(100, 100, 4, 7.0),
         ];
-        let chain = choose(all.clone(), 1e-3, 9);
+        let chain = choose(all.clone(), (1e-3, 0.1), 9);
         let wanted = [[100, 1000, 4], [100, 400, 4], [50, 400, 2], [20, 100, 1]];
         assert_eq!(sizes(&chain), wanted);
         let costs: Vec<f32> = chain.iter().map(|c| c.level.cost).collect();
         assert_eq!(costs[..2], [3.0, 1.0 + 0.4 + 0.4]);
         assert!((costs[3] - (0.2 + 0.1 + 0.025)).abs() < 1e-6);
-        assert_eq!(sizes(&choose(all.clone(), 1e-3, 2)), [wanted[0], wanted[3]]);
-        assert_eq!(sizes(&choose(all, 1e-3, 0)), [wanted[0]]);
-        assert!(choose(Vec::new(), 1e-3, 9).is_empty());
+        assert_eq!(
+            sizes(&choose(all.clone(), (1e-3, 0.1), 2)),
+            [wanted[0], wanted[3]]
+        );
+        assert_eq!(sizes(&choose(all, (1e-3, 0.1), 0)), [wanted[0]]);
+        assert!(choose(Vec::new(), (1e-3, 0.1), 9).is_empty());
     }
 
     #[test]
@@ -167,6 +206,6 @@ mod tests {
             candidate(100, 1000, 4, 0.0),
             candidate(10, 100, 1, f32::INFINITY),
         ];
-        assert_eq!(choose(all, 1e-3, 9).len(), 1);
+        assert_eq!(choose(all, (1e-3, 0.1), 9).len(), 1);
     }
 }

@@ -16,6 +16,7 @@ mod measure;
 use crate::character::Asset;
 use crate::influences::limit;
 use crate::joint_lods::{self, JointLodOptions, MAX_FRAMES, MergedLevels, Tally, Watched, rising};
+use crate::simplify::extent;
 use crate::surface_distance::{SkinPoint, attach};
 use articula_core::{
     ClipLodErrors, FigureLevel, JointLods, LevelSkin, LevelSkins, LocalPose, LodErrors, Mesh,
@@ -26,7 +27,11 @@ use glam::{Affine3A, Vec3};
 use measure::{DisplayedLevel, LevelMeasurement};
 
 /// Maximum number of levels beyond those of joints alone, since there are meshes to choose from too.
-const MORE_LEVELS: usize = 2;
+const MORE_LEVELS: usize = 8;
+
+/// Error within which the farthest of a crowd are shown, relative to the size of the figure: a pixel where it is ten
+/// pixels high.
+const FAR: f32 = 0.1;
 
 /// Limits on influences that are tried, besides the number that the joint LOD has.
 const INFLUENCES: [usize; 3] = [4, 2, 1];
@@ -60,8 +65,8 @@ impl FigureLevels {
 /// `merged` holds the joint LODs (far levels are ignored), and `mesh_levels` the triangles of each
 /// mesh level over the vertices of the asset's mesh, the original first. `poses` are positions of
 /// all vertices, the rest pose first; they determine which point of a level corresponds to which
-/// vertex ([`attach`]). Tolerances start at `opts.first_metres` and grow by half an octave; there
-/// are at most two levels more than `opts.max_levels`.
+/// vertex ([`attach`]). Tolerances start at `opts.first_metres` and grow by a quarter of an octave; there
+/// are at most eight levels more than `opts.max_levels`, and fewer where a level has many materials.
 ///
 /// # Errors
 /// A [`Mismatch`] if an argument belongs to another character, or a level has no triangle.
@@ -83,7 +88,7 @@ pub fn figure_levels(
     let levels = 0..mesh_levels.len();
     let points: Vec<Vec<SkinPoint>> = levels.map(|l| points_of(&some, l)).collect();
     let skins = all_skins(&merged.skins, mesh);
-    let mut candidates = candidates(merged, &skins, mesh_levels);
+    let mut candidates = candidates(merged, &skins, (mesh, mesh_levels));
     let parts = skins.iter().map(|s| &s.skin).collect::<Vec<_>>();
     let bindings = &merged.skins.bindings;
     let scene = LevelMeasurement::new(asset, &some, &parts, bindings, &points);
@@ -96,7 +101,7 @@ pub fn figure_levels(
     }
     let chosen = chain::choose(
         candidates,
-        opts.first_metres,
+        (opts.first_metres, extent(&poses[0]) * FAR),
         (opts.max_levels.saturating_add(MORE_LEVELS)).min(JointLods::MAX_LEVELS),
     );
     // A sample decides which levels there are; their errors are those of every vertex.
@@ -217,9 +222,11 @@ fn check(
 fn candidates(
     merged: &MergedLevels,
     skins: &[Dressed],
-    mesh_levels: &[&[[u32; 3]]],
+    (full, mesh_levels): (&Mesh, &[&[[u32; 3]]]),
 ) -> Vec<Candidate> {
     let vertices: Vec<usize> = mesh_levels.iter().map(|l| chain::vertices(l)).collect();
+    let materials = mesh_levels.iter().map(|l| chain::materials(full, l));
+    let materials: Vec<usize> = materials.collect();
     let mut all = Vec::with_capacity(skins.len() * mesh_levels.len());
     for (s, skin) in skins.iter().enumerate() {
         // Of two equally good ones the coarser mesh is taken: it comes first.
@@ -237,6 +244,7 @@ fn candidates(
                 skin: s,
                 level,
                 error_metres: 0.0,
+                materials: materials[mesh_level],
             });
         }
     }

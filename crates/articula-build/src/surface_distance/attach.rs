@@ -1,9 +1,9 @@
 //! Correspondence between the vertices of the original and points of a coarser surface.
 //!
 //! The closest point at rest may lie on another part of the body: on the other lip, or on the arm
-//! beside the hip. Therefore only the same part of the mesh is searched, the closest points in
-//! several poses are tried, and the one with the smallest maximum distance over these poses is
-//! taken.
+//! beside the hip. Therefore the closest point is looked for again in the pose in which the one found last is
+//! farthest, as long as the maximum distance over all poses falls. Points lie on the same part of the mesh or on one of the same
+//! material, which looks alike: a buckle that is left out is where the belt is.
 
 use super::skin_point::SkinPoint;
 use super::tree::SurfaceTree;
@@ -11,10 +11,10 @@ use articula_core::Part;
 use glam::Vec3;
 
 /// Returns, for each of the given vertices of the original, the corresponding point of a level's
-/// surface, on the same part of the mesh if the level has triangles of it. A vertex without a
-/// finite distance to the level corresponds to itself. `poses` are positions of all vertices;
-/// without any, all vertices correspond to themselves. O(poses² · vertices + poses · vertices ·
-/// log(triangles)).
+/// surface: on the same part of the mesh or on another of its material, if the level has triangles of that
+/// part, else on any. A vertex without a finite distance to the level corresponds to itself. `poses` are positions of all vertices;
+/// without any, all vertices correspond to themselves. O(rounds · vertices · (poses +
+/// log(triangles)) + poses · triangles).
 ///
 /// # Panics
 /// If a vertex or a triangle is out of range of the poses.
@@ -28,35 +28,136 @@ pub fn attach(
     let Some(rest) = poses.first() else {
         return found;
     };
-    let part_of = |v: u32| {
-        let is_in = |p: &Part| p.vertices.contains(&(v as usize));
-        parts.iter().position(is_in).unwrap_or(parts.len())
-    };
-    let mut of_part = vec![Vec::new(); parts.len() + 1];
-    for triangle in triangles {
-        of_part[part_of(triangle[0])].push(*triangle);
-    }
-    let mut places = vec![Vec::new(); parts.len() + 1];
-    for (place, v) in vertices.iter().enumerate() {
-        places[part_of(*v)].push(place);
-    }
-    for (own, places) in of_part.iter().zip(&places).filter(|(_, p)| !p.is_empty()) {
-        let surface = if own.is_empty() { triangles } else { own };
-        let mut tree = SurfaceTree::new(surface, rest);
-        let mut least = vec![f32::INFINITY; places.len()];
-        for pose in poses {
-            tree.refit(pose);
-            for (place, least) in places.iter().zip(&mut least) {
-                nearer(
-                    &tree,
-                    vertices[*place],
-                    (pose, poses),
-                    (least, &mut found[*place]),
-                );
+    let tracks = Tracks::of(poses);
+    let mut least = vec![Farthest::default(); vertices.len()];
+    for (surface, places) in searches(triangles, vertices, parts) {
+        let mut tree = SurfaceTree::new(&surface, rest);
+        let mut open: Vec<(usize, usize)> = places.iter().map(|p| (least[*p].pose, *p)).collect();
+        for _ in 0..ROUNDS {
+            open.sort_unstable();
+            let mut again = Vec::new();
+            for group in open.chunk_by(|a, b| a.0 == b.0) {
+                let pose = group[0].0;
+                tree.refit(&poses[pose]);
+                for (_, place) in group {
+                    let point = (&mut least[*place], &mut found[*place]);
+                    if nearer(&tree, vertices[*place], (&poses[pose], &tracks), point) {
+                        again.push((least[*place].pose, *place));
+                    }
+                }
             }
+            open = again;
         }
     }
     found
+}
+
+/// How often the pose in which a point is farthest is looked at.
+const ROUNDS: usize = 6;
+
+/// The greatest distance of a point from its vertex, and the pose of it.
+#[derive(Debug, Clone, Copy)]
+struct Farthest {
+    squared: f32,
+    pose: usize,
+}
+
+impl Default for Farthest {
+    fn default() -> Self {
+        Self {
+            squared: f32::INFINITY,
+            pose: 0,
+        }
+    }
+}
+
+/// Positions of each vertex in all poses, vertex by vertex.
+struct Tracks {
+    poses: usize,
+    points: Vec<Vec3>,
+}
+
+impl Tracks {
+    fn of(poses: &[Vec<Vec3>]) -> Self {
+        let vertices = poses.first().map_or(0, Vec::len);
+        let of_vertex = |v: usize| poses.iter().map(move |pose| pose[v]);
+        Self {
+            poses: poses.len(),
+            points: (0..vertices).flat_map(of_vertex).collect(),
+        }
+    }
+
+    fn vertex(&self, v: u32) -> &[Vec3] {
+        let first = v as usize * self.poses;
+        &self.points[first..first + self.poses]
+    }
+
+    /// Where a point is farthest from a vertex; `None` if not below a limit. A distance that is not finite
+    /// counts as 0.
+    fn farthest(&self, point: &SkinPoint, vertex: u32, limit: f32) -> Option<Farthest> {
+        let corners = point.corners.map(|corner| self.vertex(corner));
+        let mut most = Farthest {
+            squared: 0.0,
+            pose: 0,
+        };
+        for (pose, truth) in self.vertex(vertex).iter().enumerate() {
+            let shares = corners.iter().zip(point.weights);
+            let at: Vec3 = shares.map(|(corner, weight)| corner[pose] * weight).sum();
+            let squared = at.distance_squared(*truth);
+            if squared > most.squared && squared.is_finite() {
+                most = Farthest { squared, pose };
+                if squared >= limit {
+                    return None;
+                }
+            }
+        }
+        (most.squared < limit).then_some(most)
+    }
+}
+
+/// Triangles, and the indices of the vertices that may correspond to a point on them.
+type Search = (Vec<[u32; 3]>, Vec<usize>);
+
+/// First each part for its own vertices, then the parts of each material for those of all of them.
+fn searches(triangles: &[[u32; 3]], vertices: &[u32], parts: &[Part]) -> Vec<Search> {
+    let mut own = vec![Search::default(); parts.len() + 1];
+    for triangle in triangles {
+        own[part_of(triangle[0], parts)].0.push(*triangle);
+    }
+    for (place, v) in vertices.iter().enumerate() {
+        own[part_of(*v, parts)].1.push(place);
+    }
+    let alike = alike(&own, parts);
+    for (surface, _) in own.iter_mut().filter(|(surface, _)| surface.is_empty()) {
+        *surface = triangles.to_vec();
+    }
+    own.extend(alike);
+    own.retain(|(_, places)| !places.is_empty());
+    own
+}
+
+/// The parts of each material that have triangles, where there are several.
+fn alike(own: &[Search], parts: &[Part]) -> Vec<Search> {
+    let shown = |part: usize| !own[part].0.is_empty();
+    let shown: Vec<usize> = (0..parts.len()).filter(|part| shown(*part)).collect();
+    let of_first = |at: usize| {
+        let is_same = |part: &&usize| parts[**part].material == parts[shown[at]].material;
+        let is_first = !shown[..at].iter().any(|part| is_same(&part));
+        let same: Vec<usize> = shown.iter().filter(is_same).copied().collect();
+        (is_first && same.len() > 1).then_some(same)
+    };
+    let joined = |same: Vec<usize>| {
+        let surface = same.iter().flat_map(|part| own[*part].0.iter().copied());
+        let places = same.iter().flat_map(|part| own[*part].1.iter().copied());
+        (surface.collect(), places.collect())
+    };
+    (0..shown.len()).filter_map(of_first).map(joined).collect()
+}
+
+/// Part of a vertex; the number of parts if it belongs to none.
+fn part_of(vertex: u32, parts: &[Part]) -> usize {
+    let is_in = |p: &Part| p.vertices.contains(&(vertex as usize));
+    parts.iter().position(is_in).unwrap_or(parts.len())
 }
 
 /// Takes the closest point in one pose if its maximum distance over all poses is smaller than that
@@ -64,23 +165,22 @@ pub fn attach(
 fn nearer(
     tree: &SurfaceTree,
     vertex: u32,
-    (pose, poses): (&[Vec3], &[Vec<Vec3>]),
-    (least, point): (&mut f32, &mut SkinPoint),
-) {
-    let v = vertex as usize;
-    if *least == 0.0 || !pose[v].is_finite() {
-        return;
+    (pose, tracks): (&[Vec3], &Tracks),
+    (least, point): (&mut Farthest, &mut SkinPoint),
+) -> bool {
+    let at = pose[vertex as usize];
+    if least.squared == 0.0 || !at.is_finite() {
+        return false;
     }
-    let Some(found) = tree.closest_point(pose[v], pose) else {
-        return;
+    let Some(found) = tree.closest_point(at, pose) else {
+        return false;
     };
-    let apart = |p: &Vec<Vec3>| {
-        let distance = found.posed(p).distance(p[v]);
-        if distance.is_finite() { distance } else { 0.0 }
-    };
-    let worst = poses.iter().map(apart).fold(0.0, f32::max);
-    if worst < *least {
-        (*least, *point) = (worst, found);
+    match tracks.farthest(&found, vertex, least.squared) {
+        Some(farthest) => {
+            (*least, *point) = (farthest, found);
+            true
+        }
+        None => false,
     }
 }
 
@@ -116,19 +216,24 @@ mod tests {
         );
         let both = attach(&level, &[3], &[rest.clone(), open.clone()], &[]);
         assert_eq!(both[0].corners, [0, 1, 2]);
-        // The lower sheet as another part is ignored, except for a part without triangles.
-        let part = |vertices| Part {
+        // The lower sheet as a part of another material is ignored, except for a part without triangles.
+        let part = |vertices, material| Part {
             name: String::new(),
             mesh: 0,
-            material: None,
+            material,
             vertices,
             triangles: 0..0,
         };
-        let sheets = [part(0..4), part(4..7)];
+        let mut sheets = [part(0..4, Some(0)), part(4..7, None)];
         let apart = attach(&level, &[3], std::slice::from_ref(&rest), &sheets);
         assert_eq!(apart[0].corners, [0, 1, 2]);
         let gone = attach(&level[1..], &[3], std::slice::from_ref(&rest), &sheets);
         assert_eq!(gone[0].corners, [4, 5, 6]);
+        sheets[1].material = Some(0);
+        let alike = attach(&level, &[3], std::slice::from_ref(&rest), &sheets);
+        assert_eq!(alike[0].corners, [4, 5, 6], "of one material");
+        let in_motion = attach(&level, &[3], &[rest.clone(), open.clone()], &sheets);
+        assert_eq!(in_motion[0].corners, [0, 1, 2]);
         let few = corners(&alone);
         assert_eq!(few, [0, 1, 2, 4, 5, 6]);
         assert_eq!(alone[0].among(&few).corners, [3, 4, 5]);

@@ -1,12 +1,10 @@
 //! Which mesh levels a crowd has, and the levels of its character with them.
 
-use super::mesh_lods::{
-    LevelledMeshes, MAX_MESH_LEVELS, MeshLevelTriangles, MeshLods, mesh_level_triangles,
-};
+use super::mesh_lods::{LevelledMeshes, MeshLevelTriangles, MeshLods, mesh_level_triangles};
 use super::options::{CrowdOptions, JointLodMethod};
 use crate::error::Result;
 use crate::figure::Figure;
-use crate::mesh_levels::MeshLevelOptions;
+use crate::mesh_levels::{MAX_MESH_LEVELS, MeshLevelOptions};
 use crate::prepared::stored::Stored;
 use articula_build::{Asset, JointLodOptions, MergedLevels};
 

@@ -12,9 +12,6 @@ use articula_core::{FigureLevel, Mesh};
 use glam::Vec3;
 use std::sync::OnceLock;
 
-/// Maximum number of mesh levels.
-pub const MAX_MESH_LEVELS: usize = 6;
-
 /// Levels of joints and mesh, combined.
 #[derive(Debug)]
 pub(crate) struct MeshLods {
@@ -110,9 +107,10 @@ impl MeshLods {
                 seed: self.seed,
                 ..PoseOptions::default()
             };
-            let shaping = poses(asset, &options)?.shaping;
+            let mut found = poses(asset, &options)?;
+            found.shaping.append(&mut found.measuring);
             // A second thread would have computed the same.
-            let _ = self.poses.set(positions(asset, &shaping));
+            let _ = self.poses.set(positions(asset, &found.shaping));
         }
         Ok(self.poses.get().map_or(&[], Vec::as_slice))
     }

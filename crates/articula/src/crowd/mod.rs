@@ -89,7 +89,6 @@ pub use lod_error::{
 pub use material_ranges::MaterialRange;
 pub use measure_options::{FrameClocks, MeasureOptions};
 pub use measured_scene::measure_scene;
-pub use mesh_lods::MAX_MESH_LEVELS;
 pub use morph_use::{MorphLevelUse, MorphUse};
 pub use named_events::events_by_clip;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotionPolicy};
@@ -103,6 +102,7 @@ pub use scene_measurement::{CrowdMemory, DISPLAY_HZ, FrameSummary, PoseUse, Scen
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 pub use spread::Spread;
 
+pub use crate::mesh_levels::MAX_MESH_LEVELS;
 pub use articula_core::crowd::{
     Allowance, Budget, BudgetReport, CacheUse, ClipEvent, Crowd, CrowdEvent, CrowdReport,
     CrowdSection, Culling, Detail, Draw, DrawKind, ImpostorDraw, Sacrifice,

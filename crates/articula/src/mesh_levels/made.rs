@@ -15,7 +15,10 @@ pub(crate) fn triangles(figure: &Figure, options: &MeshLevelOptions) -> Result<V
         Some(gltf) => vertex_classes(figure, gltf, figure.orders())?,
         None => Vec::new(),
     };
-    let face = FoundFace::of(figure, &[]).ok();
+    let face = match options.keep_face {
+        true => FoundFace::of(figure, &[]).ok(),
+        false => None,
+    };
     let face = face.and_then(|face| KeptFace::of(figure, &face));
     made(&figure.asset, options, classes, face.as_ref())
 }

@@ -24,7 +24,7 @@ pub(crate) use coded::{add, source_orders};
 pub use face::KeptFace;
 #[cfg(feature = "prepare")]
 pub(crate) use made::{triangles, triangles_of};
-pub use options::MeshLevelOptions;
+pub use options::{MAX_MESH_LEVELS, MeshLevelOptions};
 pub(crate) use show::show;
 pub use show::{
     LevelChoice, MeshView, ShownInView, ShownLevelOptions, ShownLevels, ShownLevelsReport,

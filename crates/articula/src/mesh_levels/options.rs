@@ -12,14 +12,14 @@ const FIVE_LEVELS: [f64; 5] = [1.0, 0.5, 0.25, 0.1, 0.015];
 /// come apart at neck and shins and lose hands and feet.
 pub(crate) const MAX_ERROR: f32 = 0.05;
 
-/// Maximum number of levels that crowds are shown with, the original included.
-const CROWD_LEVELS: usize = 6;
+/// Maximum number of mesh levels that crowds are shown with, the original included.
+pub const MAX_MESH_LEVELS: usize = 12;
 
-/// Triangles of the coarsest of them: about two for each pixel of a figure 20 pixels high.
-const CROWD_LEAST: f64 = 120.0;
+/// Triangles of the coarsest of them, as far as simplification gets: enough for a figure 10 pixels high.
+const CROWD_LEAST: f64 = 40.0;
 
 /// Greatest share of the triangles of the next finer one.
-const CROWD_SHARE: f64 = 0.5;
+const CROWD_SHARE: f64 = 0.6;
 
 /// Options for making the mesh levels of a character.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,12 +71,13 @@ impl MeshLevelOptions {
         }
     }
 
-    /// Options for the levels that crowds are shown with: at most six, with equal ratios from all of so
-    /// many triangles down to about 120, none of which is left out for its error. For those who choose
-    /// levels by their errors, as [crowds](crate::crowd) do.
+    /// Options for the levels that crowds are shown with: at most [`MAX_MESH_LEVELS`], with equal ratios from all of so
+    /// many triangles down to about 40, none of which is left out for its error and none of which keeps a feature
+    /// point of the face that the error does not need. For those who choose levels by their errors, as
+    /// [crowds](crate::crowd) do.
     pub fn for_crowds(triangles: usize) -> Self {
         let least = CROWD_LEAST / triangles.max(1) as f64;
-        let mut levels = CROWD_LEVELS;
+        let mut levels = MAX_MESH_LEVELS;
         let share = |levels: usize| least.libm_powf(1.0 / (levels - 1) as f64);
         while levels > 1 && share(levels) > CROWD_SHARE {
             levels -= 1;
@@ -89,6 +90,7 @@ impl MeshLevelOptions {
         Self {
             targets,
             max_error: None,
+            keep_face: false,
             ..Self::levels(1)
         }
     }
@@ -113,21 +115,28 @@ mod tests {
 
     #[test]
     fn levels_of_crowds_have_equal_ratios() {
-        let rounded = |triangles| -> Vec<f64> {
-            let targets = MeshLevelOptions::for_crowds(triangles).targets.into_iter();
-            targets.map(|t| (1e4 * t).round() / 1e4).collect()
-        };
-        // 12000 / 120 is the fifth power of 2.5119.
-        let five = [1.0, 0.3981, 0.1585, 0.0631, 0.0251, 0.01];
-        assert_eq!(rounded(12_000), five);
-        // 600 / 120 is the square of 2.236 and the third power of 1.71.
-        assert_eq!(rounded(600), [1.0, 0.4472, 0.2]);
-        for few in [0, 1, 120, 239] {
-            assert_eq!(MeshLevelOptions::for_crowds(few).targets, [1.0], "{few}");
+        let of = |triangles| MeshLevelOptions::for_crowds(triangles).targets;
+        for triangles in [67, 240, 600, 12_000, 50_000_000] {
+            let targets = of(triangles);
+            let steps = (targets.len() - 1) as f64;
+            let share = (40.0 / triangles as f64).powf(1.0 / steps);
+            for (i, target) in targets.iter().enumerate() {
+                assert!(
+                    (target / share.powi(i as i32) - 1.0).abs() < 1e-9,
+                    "{targets:?}"
+                );
+            }
+            assert!(share <= 0.6, "worth a level: {targets:?}");
+            // With one more level they would be too many or too close.
+            let closer = share.powf(steps / (steps + 1.0));
+            assert!(
+                targets.len() == MAX_MESH_LEVELS || closer > 0.6,
+                "{targets:?}"
+            );
         }
-        assert_eq!(MeshLevelOptions::for_crowds(240).targets, [1.0, 0.5]);
-        let many = MeshLevelOptions::for_crowds(50_000_000).targets;
-        assert!(many.windows(2).all(|w| w[0] > w[1]), "{many:?}");
+        for few in [0, 1, 40, 66] {
+            assert_eq!(of(few), [1.0], "{few}");
+        }
     }
 
     #[test]
