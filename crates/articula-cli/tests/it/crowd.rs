@@ -414,7 +414,7 @@ fn mistakes_are_answered_with_their_mend() {
         ["--count", "0"],
         ["--count", "1e9"],
         ["--threads", "0"],
-        ["--mesh-levels", "7"],
+        ["--mesh-levels", "13"],
         ["--budget-ms", "NaN"],
         ["--epsilon-px", "-1"],
     ] {
