@@ -1,0 +1,20 @@
+//! Motions of the lower face, measured on heads with blend shapes of their own, for heads without any.
+//!
+//! - `chart`: where a vertex is around the mouth, alike on all heads
+//! - `depths`: how far vertices are behind the foremost skin
+//! - `motion`: the motion of one blend shape over the chart
+//! - `measure`: the motion that a head shows
+//! - `motions`: the motions of all blend shapes, and their file
+//! - `unfold`: displacements that turn no triangle over
+//!
+//! Method and sources: `docs/methods/faces.md`.
+
+mod chart;
+mod depths;
+mod measure;
+mod motion;
+mod motions;
+mod unfold;
+
+pub use chart::MouthChart;
+pub use motions::{BrokenMotions, MouthMotions};
