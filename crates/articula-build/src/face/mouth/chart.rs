@@ -7,6 +7,7 @@
 use super::super::points::{FacePoints, FaceSurface, template_place, to_template};
 use super::super::table::{Mirror, SurfaceGraph, sheet, smooth};
 use super::depths::Depths;
+use super::laid_on::laid_on;
 use super::unfold::Folds;
 use articula_core::Libm;
 use articula_core::feature_points::PointId;
@@ -33,13 +34,20 @@ const AROUND: [f32; 2] = [0.7, 1.0];
 /// Depth behind the foremost skin up to which a vertex is seen from the front, by height of the face.
 const SEEN: f32 = 0.03;
 
-/// Handles of the upper and of the lower lip.
+/// How far below the chin of the unrolled face, by half the width of the mouth, skin may end that goes with the chin, as
+/// the neck is a part of its own; and how far beside the middle that is seen.
+const UNDER: f32 = 1.5;
+const BESIDE: f32 = 1.0;
+/// How far on the other side of the line between the lips a vertex may be that stands for a point of a lip.
+const ASTRAY: f32 = 0.05;
+
+/// Points of the upper and of the lower lip.
 const LIPS: [[PointId; 6]; 2] = [
     [(2, 2), (2, 6), (2, 7), (8, 1), (8, 5), (8, 6)],
     [(2, 3), (2, 8), (2, 9), (8, 2), (8, 7), (8, 8)],
 ];
 
-/// Where a vertex of the skin is.
+/// Where a vertex is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     pub(super) vertex: u32,
@@ -56,10 +64,12 @@ pub(super) struct Place {
     pub(super) is_seen: bool,
 }
 
-/// The vertices of a head, by where they are around the mouth.
+/// The vertices of the skin of a head, by where they are around the mouth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MouthChart {
     pub(super) places: Vec<Place>,
+    /// Vertices of parts that lie on the skin.
+    pub(super) others: Vec<Place>,
     /// Height of the face, metres.
     pub(super) height: f32,
     /// Number of vertices of the surface.
@@ -107,33 +117,45 @@ impl MouthChart {
             points.get((9, 3))?.place.x,
         );
         let graph = SurfaceGraph::of(&surface.positions, &parts.joined, &parts.skin, &mirror);
-        let vertex = |point: &PointId| points.get(*point)?.vertex;
-        let lips =
-            LIPS.map(|lip| graph.distances(&lip.iter().filter_map(vertex).collect::<Vec<_>>()));
+        let flat = |place: Vec3| unrolled.flat(warp.apply(place));
+        let lips = lips(points, |v| flat(at(v)).y);
+        let to_lips = lips.each_ref().map(|lip| graph.distances(lip));
+        let ends = border(&parts.joined, &parts.skin).into_iter();
+        let chin = unrolled.bottom(ends.map(|v| flat(at(v))));
         let depths = Depths::of(surface, &parts.skin, height / 150.0);
-        let place = |vertex: &u32| {
-            let v = *vertex as usize;
-            let on_template = warp.apply(at(*vertex));
+        let place = |vertex: u32, lower: f32| {
+            let on_template = warp.apply(at(vertex));
             let flat = unrolled.flat(on_template);
-            let level = cell(flat, usize::from(flat.y < 0.0))[1] * STEP;
-            let behind = depths.behind(at(*vertex)) / height;
-            let border = smooth(((ROWS - 1) as f32 * STEP - level) / FADE);
+            let flat = Vec2::new(flat.x, flat.y.max(chin));
+            let behind = depths.behind(at(vertex)) / height;
+            let rim = smooth(((ROWS - 1) as f32 * STEP - level(flat)) / FADE);
             Place {
-                vertex: *vertex,
+                vertex,
                 flat,
-                lower: lower(lips[0][v], lips[1][v], height, flat),
-                share: border * between(BACK, on_template.z),
-                inside: between(INSIDE, behind) * (1.0 - between(AROUND, level)),
+                lower,
+                share: rim * between(BACK, on_template.z),
+                inside: between(INSIDE, behind) * (1.0 - between(AROUND, level(flat))),
                 is_seen: behind < SEEN,
             }
         };
+        let of_skin = |v: &u32| {
+            let to_lips = to_lips.each_ref().map(|away| away[*v as usize]);
+            place(*v, lower(to_lips, height, flat(at(*v))))
+        };
+        let around = |place: Vec3| Some(flat(place)).filter(|flat| level(*flat) < AROUND[1]);
+        let others = laid_on(surface, points, (&mirror, &lips), around);
+        let others = others.into_iter().map(|(vertex, lower)| Place {
+            inside: 0.0,
+            ..place(vertex, lower)
+        });
         Some(Self {
             places: parts
                 .skin_vertices
                 .iter()
-                .map(place)
+                .map(of_skin)
                 .filter(|p| p.share > 0.0)
                 .collect(),
+            others: others.collect(),
             height,
             count: surface.positions.len(),
             folds: Folds::of(surface, points),
@@ -141,9 +163,38 @@ impl MouthChart {
     }
 }
 
+/// The vertices of the upper and of the lower lip that stand for its points. On a coarse mesh one vertex may stand for
+/// points of both; it is of the lip on whose side of the line between them it is. `height` is that above the line.
+fn lips(points: &FacePoints, height: impl Fn(u32) -> f32) -> [Vec<u32>; 2] {
+    [(0, 1.0), (1, -1.0)].map(|(lip, up): (usize, f32)| {
+        let vertex = |point: &PointId| points.get(*point)?.vertex;
+        let all: Vec<u32> = LIPS[lip].iter().filter_map(vertex).collect();
+        let own = all.iter().copied().filter(|v| up * height(*v) > -ASTRAY);
+        let own: Vec<u32> = own.collect();
+        if own.is_empty() { all } else { own }
+    })
+}
+
+/// Vertices at edges of one triangle.
+fn border(joined: &[u32], triangles: &[[u32; 3]]) -> Vec<u32> {
+    let mut edges: Vec<[u32; 2]> = Vec::with_capacity(3 * triangles.len());
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|v| joined[v as usize]);
+        edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
+    }
+    edges.sort_unstable();
+    let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+    alone.flat_map(|same| same[0]).collect()
+}
+
+/// The level of a place in the unrolled face.
+fn level(flat: Vec2) -> f32 {
+    cell(flat, usize::from(flat.y < 0.0))[1] * STEP
+}
+
 /// 0 on the upper sheet, 1 on the lower one, by the distances along the skin to each lip; for skin that is not connected
 /// to them by the place.
-fn lower(to_upper: f32, to_lower: f32, height: f32, flat: Vec2) -> f32 {
+fn lower([to_upper, to_lower]: [f32; 2], height: f32, flat: Vec2) -> f32 {
     if to_upper.is_finite() && to_lower.is_finite() {
         sheet(to_upper, to_lower, 0.01 * height)
     } else {
@@ -163,16 +214,33 @@ struct Unrolled {
     half: f32,
     /// Heights of the line between the lips at the middle and at the corners.
     line: [f32; 2],
+    /// Height of the bottom of the chin, and its distance from the axis.
+    chin: [f32; 2],
 }
 
 impl Unrolled {
     fn of_template() -> Self {
-        let [corner, upper, low] = [(2, 4), (2, 2), (2, 3)].map(template_place);
+        let [corner, upper, low, chin] = [(2, 4), (2, 2), (2, 3), (2, 1)].map(template_place);
         let radius = Vec2::new(corner.x, corner.z - AXIS).length();
         Self {
             radius,
             half: radius * corner.x.libm_atan2(corner.z - AXIS),
             line: [0.5 * (upper.y + low.y), corner.y],
+            chin: [chin.y, chin.z - AXIS],
+        }
+    }
+
+    /// The height below which a face goes with its chin, by the places where its skin ends: that of the chin, if the skin
+    /// ends below it.
+    fn bottom(&self, mut ends: impl Iterator<Item = Vec2>) -> f32 {
+        let [chin, _] = self.chin;
+        let [middle, _] = self.line;
+        let chin = (chin - middle) / self.half;
+        let is_below = |end: Vec2| end.x.abs() < BESIDE && (chin - UNDER..chin).contains(&end.y);
+        if ends.any(is_below) {
+            chin
+        } else {
+            f32::NEG_INFINITY
         }
     }
 
@@ -180,7 +248,11 @@ impl Unrolled {
         let x = self.radius * place.x.libm_atan2(place.z - AXIS) / self.half;
         let [middle, corner] = self.line;
         let line = middle + (corner - middle) * (x * x).min(1.0);
-        Vec2::new(x, (place.y - line) / self.half)
+        // What is under the chin goes on below it, back to the neck.
+        let [low, front] = self.chin;
+        let under = smooth((middle - place.y) / (middle - low));
+        let back = (front - Vec2::new(place.x, place.z - AXIS).length()).max(0.0);
+        Vec2::new(x, (place.y - line - under * back) / self.half)
     }
 }
 

@@ -2,6 +2,7 @@
 //!
 //! - `chart`: where a vertex is around the mouth, alike on all heads
 //! - `depths`: how far vertices are behind the foremost skin
+//! - `laid_on`: parts on the skin, such as lips of their own
 //! - `motion`: the motion of one blend shape over the chart
 //! - `measure`: the motion that a head shows
 //! - `motions`: the motions of all blend shapes, and their file
@@ -11,6 +12,7 @@
 
 mod chart;
 mod depths;
+mod laid_on;
 mod measure;
 mod motion;
 mod motions;

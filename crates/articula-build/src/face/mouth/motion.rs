@@ -1,6 +1,7 @@
 //! The motion of one blend shape over the chart of the mouth.
 
 use super::chart::{COLUMNS, MouthChart, Place, ROWS, cell};
+use articula_core::Libm;
 use glam::Vec3;
 
 /// Displacements at the nodes of the chart, by the height of the face; the rows of each column in turn.
@@ -8,6 +9,11 @@ use glam::Vec3;
 pub(super) struct Motion {
     pub(super) nodes: Vec<Vec3>,
 }
+
+/// Shares by which the rows of a lip, outwards, give way to the other lip.
+const LIP: [f32; 4] = [1.0, 0.7, 0.35, 0.1];
+/// Room that lips need which slide on each other, by how far they do.
+const SLIDE: f32 = 0.15;
 
 /// The side of a face that a motion is taken to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +64,22 @@ impl Motion {
         }
         mean.nodes.iter_mut().for_each(|d| *d /= count.max(1.0));
         mean
+    }
+
+    /// The motion with lips that do not go through each other: what the one is taken across the line between them beyond the
+    /// other is shared by both. Lips that slide need some room.
+    pub(super) fn with_lips_apart(mut self) -> Self {
+        for column in 1..COLUMNS / 2 {
+            for (row, share) in LIP.into_iter().enumerate() {
+                let [upper, lower] = [column, COLUMNS - column].map(|c| c * ROWS + row);
+                let apart = self.nodes[upper] - self.nodes[lower];
+                let slides = apart.x.libm_hypot(apart.z);
+                let lacks = 0.5 * share * (SLIDE * slides - apart.y).max(0.0);
+                self.nodes[upper].y += lacks;
+                self.nodes[lower].y -= lacks;
+            }
+        }
+        self
     }
 
     /// The displacement at a column and a row, by cubic interpolation.

@@ -90,11 +90,17 @@ impl MouthMotions {
                 right.as_ref().map(Motion::mirrored),
             ]
         });
-        let both = even.chain(sided);
+        // A closed mouth is one whose jaw is open: alone, it presses the lips together.
+        let motion = |(index, sides): (usize, [Option<Motion>; 2])| {
+            let mean = Motion::mean(sides.iter().flatten());
+            match EVEN.get(index) {
+                Some(&"mouthClose") => mean,
+                _ => mean.with_lips_apart(),
+            }
+        };
+        let both = even.chain(sided).enumerate();
         Some(Self {
-            motions: both
-                .map(|sides| Motion::mean(sides.iter().flatten()))
-                .collect(),
+            motions: both.map(motion).collect(),
         })
     }
 
@@ -175,7 +181,11 @@ impl MouthMotions {
             skin[v] = skin[v].lerp(with_jaw, place.inside);
         }
         chart.folds.unfold(&mut skin);
-        Some(table.displacements_of_skin(&skin, jaw.as_ref()))
+        let mut all = table.displacements_of_skin(&skin, jaw.as_ref());
+        for place in &chart.others {
+            all[place.vertex as usize] = chart.height * motion.of(place, side);
+        }
+        Some(all)
     }
 
     /// The motion of a blend shape that is known, and the side it is taken to.

@@ -121,7 +121,7 @@ pub(in crate::face) fn smooth(t: f32) -> f32 {
 }
 
 /// Index of the place nearest to another.
-pub(super) fn nearest(places: impl Iterator<Item = Vec3>, to: Vec3) -> Option<usize> {
+pub(in crate::face) fn nearest(places: impl Iterator<Item = Vec3>, to: Vec3) -> Option<usize> {
     let all = places.map(|p| p.distance_squared(to)).enumerate();
     all.min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(index, _)| index)

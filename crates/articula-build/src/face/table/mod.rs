@@ -45,7 +45,7 @@ use rules::RuleFrame;
 use tongue::Tongue;
 use weights::{WeightInput, weights};
 
-pub(super) use graph::{SurfaceGraph, smooth};
+pub(super) use graph::{SurfaceGraph, nearest, smooth};
 pub(super) use mirror::Mirror;
 pub(super) use weights::sheet;
 
