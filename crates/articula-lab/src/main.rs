@@ -95,7 +95,7 @@ enum Table {
     /// Face animation tables made from feature points alone, beside the expressions of the faces.
     FaceTables,
     /// Blend shapes made for heads whose own were taken away, beside these.
-    MadeShapes,
+    MadeShapes(tables::made_shapes::Choice),
     /// Motion streams: bytes at equal error beside other forms, layers and speeds.
     Streams,
     /// Digital items: the joint choice beside cuts of single parts, sizes and costs of levels.
@@ -153,7 +153,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::FaceBridges => tables::face_bridges::write(run),
         Table::FacePoints => tables::face_points::write(run),
         Table::FaceTables => tables::face_tables::write(run),
-        Table::MadeShapes => tables::made_shapes::write(run),
+        Table::MadeShapes(choice) => tables::made_shapes::write(run, choice),
         Table::Streams => tables::streams::write(run),
         Table::Adaptation => tables::adaptation::write(run),
         Table::Sessions(choice) => sessions::write(run, choice),

@@ -9,6 +9,7 @@
 //! - `bounded`: the least-squares solver
 //! - `intervals`: morph targets that show a part of one parameter's range
 //! - `points`: the feature points of a face on its mesh
+//! - `mouth`: how the lower face of any head moves with blend shapes, measured on heads that have them
 //! - `table`: how the vertices move with each parameter, from the feature points alone
 //! - `dense`: dense systems of linear equations
 //! - `field_fit`: displacements as sums of others, by least squares
@@ -27,6 +28,7 @@ mod field_fit;
 mod fields;
 mod high_level;
 mod intervals;
+mod mouth;
 mod names;
 mod opposed;
 mod points;
@@ -42,6 +44,7 @@ pub use field_fit::FieldFit;
 pub use fields::FaceFields;
 pub use high_level::{add_expression, add_viseme};
 pub use intervals::FapInterval;
+pub use mouth::{BrokenMotions, MouthChart, MouthMotions};
 pub use names::{ChosenControl, FaceCandidate, NamedControl, choose_controls, face_control};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
 pub use table::{EyeShape, FaceTable, normal_offsets};

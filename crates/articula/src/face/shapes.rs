@@ -7,7 +7,7 @@ use super::targets::{Existing, add_targets};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
-use articula_build::face::{FapInterval, FapValues, blend_shape};
+use articula_build::face::{FapInterval, FapValues, MouthChart, MouthMotions, blend_shape};
 use articula_core::arkit_table::BLEND_SHAPES;
 use articula_core::face_control::FaceControl;
 use articula_core::fap_table::LOW_FAPS;
@@ -58,7 +58,19 @@ pub fn add_face_shapes(
     opened: &mut CharacterFile,
     given: &[(PointId, Vec3)],
 ) -> Result<FaceShapes> {
-    made_shapes(opened, given).with_context(|| opened.name().to_owned())
+    add_face_shapes_by(opened, given, &MouthMotions::stored())
+}
+
+/// As [`add_face_shapes`], with the lower face by other motions than those that are kept with the program.
+///
+/// # Errors
+/// As [`add_face_shapes`].
+pub fn add_face_shapes_by(
+    opened: &mut CharacterFile,
+    given: &[(PointId, Vec3)],
+    motions: &MouthMotions,
+) -> Result<FaceShapes> {
+    made_shapes(opened, given, motions).with_context(|| opened.name().to_owned())
 }
 
 /// Adds a face animation table to a character, as morph targets named by parameter and interval
@@ -74,19 +86,22 @@ pub fn add_face_table(
     made_table(opened, given).with_context(|| opened.name().to_owned())
 }
 
-fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<FaceShapes> {
+fn made_shapes(
+    opened: &mut CharacterFile,
+    given: &[(PointId, Vec3)],
+    motions: &MouthMotions,
+) -> Result<FaceShapes> {
     let figure = Figure::new(opened.clone())?;
     let face = FoundFace::of(&figure, given)?;
     let vertices = figure.in_character(&face.head.vertices)?;
     let table = face.table()?;
+    let chart = MouthChart::new(&face.head.surface, &face.points);
+    let measured = |name: &str| motions.displacements(name, chart.as_ref()?, &table);
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
     let (mut made, mut not_made) = (Vec::new(), Vec::new());
     for shape in &BLEND_SHAPES {
-        let mut values = blend_shape(shape.name).unwrap_or_default();
-        if shape.name == "cheekPuff" {
-            values.0.iter_mut().for_each(|v| *v *= PUFF);
-        }
-        let offsets = table.displacements(&values);
+        let offsets =
+            measured(shape.name).unwrap_or_else(|| table.displacements(&parameters(shape.name)));
         if offsets.iter().all(|o| *o == Vec3::ZERO) {
             not_made.push(shape.name);
             continue;
@@ -105,6 +120,15 @@ fn made_shapes(opened: &mut CharacterFile, given: &[(PointId, Vec3)]) -> Result<
         not_made,
         doubtful: face.doubtful(),
     })
+}
+
+/// The parameters that a blend shape is made by where no head showed it.
+fn parameters(shape: &str) -> FapValues {
+    let mut values = blend_shape(shape).unwrap_or_default();
+    if shape == "cheekPuff" {
+        values.0.iter_mut().for_each(|v| *v *= PUFF);
+    }
+    values
 }
 
 /// Whether a morph target shows a blend shape by its name; others are of identities or poses.

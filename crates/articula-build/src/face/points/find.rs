@@ -246,6 +246,13 @@ impl FacePoints {
     }
 }
 
+/// The warp that carries a head with these points to the template. `None` if they lie in a plane.
+pub(in crate::face) fn to_template(points: &FacePoints) -> Option<Warp> {
+    let pair = |p: &FacePoint| Some((p.place, of(&POINTS, p.point)?));
+    let pairs: Vec<(Vec3, Vec3)> = points.points.iter().filter_map(pair).collect();
+    Warp::fit(&pairs)
+}
+
 /// Removes points of mouth and chin that are far from where nose, skull and eyes let expect them;
 /// returns them.
 fn gate(anchors: &mut Anchors) -> Vec<PointId> {

@@ -18,7 +18,8 @@ mod template;
 mod units;
 mod warp;
 
-pub(super) use find::Snap;
 pub use find::{FacePoint, FacePoints, NoFace, PointSource};
+pub(super) use find::{Snap, to_template};
 pub use surface::FaceSurface;
+pub(super) use template::template_place;
 pub use units::{FaceUnits, UnitRatio};

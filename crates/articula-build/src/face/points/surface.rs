@@ -19,10 +19,10 @@ pub struct FaceSurface {
 
 /// Triangles that share vertices, or vertices of the same place and the same offsets.
 #[derive(Debug, Clone, Default)]
-pub(super) struct SurfacePart {
-    pub(super) triangles: Vec<[u32; 3]>,
+pub(in crate::face) struct SurfacePart {
+    pub(in crate::face) triangles: Vec<[u32; 3]>,
     /// Vertices of the triangles, ascending.
-    pub(super) vertices: Vec<u32>,
+    pub(in crate::face) vertices: Vec<u32>,
     /// Sum of the areas, m².
     pub(super) area: f32,
 }
@@ -53,7 +53,7 @@ impl FaceSurface {
     /// The connected parts, the one with the largest area first. Triangles are connected across an
     /// edge; where more than two meet at the same place, such as the shell over an eye at the rim of
     /// the lids, only those that share the vertices themselves are.
-    pub(super) fn parts(&self, joined: &[u32]) -> Vec<SurfacePart> {
+    pub(in crate::face) fn parts(&self, joined: &[u32]) -> Vec<SurfacePart> {
         let mut root: Vec<u32> = (0..self.triangles.len() as u32).collect();
         fn top(root: &mut [u32], mut at: u32) -> u32 {
             while root[at as usize] != at {

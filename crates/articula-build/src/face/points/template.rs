@@ -140,6 +140,11 @@ pub(super) fn of(table: &[(PointId, [f32; 3])], point: PointId) -> Option<Vec3> 
     Some(Vec3::from(found.1))
 }
 
+/// Place of a point of the template.
+pub(in crate::face) fn template_place(point: PointId) -> Vec3 {
+    of(&POINTS, point).unwrap_or_default()
+}
+
 /// Height of the inner brows above the bottom of the chin.
 pub(super) fn face_height(at: impl Fn(PointId) -> Vec3) -> f32 {
     (0.5 * (at((4, 1)).y + at((4, 2)).y) - at((2, 1)).y).abs()

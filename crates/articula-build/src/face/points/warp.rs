@@ -11,7 +11,7 @@ const SMOOTHING: f64 = 1e-3;
 
 /// The warp that moves each of some points near to its partner.
 #[derive(Debug, Clone)]
-pub(super) struct Warp {
+pub(in crate::face) struct Warp {
     from: Vec<DVec3>,
     /// Unit of lengths, and origin.
     unit: f64,
@@ -64,7 +64,7 @@ impl Warp {
     }
 
     /// Moves a place.
-    pub(super) fn apply(&self, place: Vec3) -> Vec3 {
+    pub(in crate::face) fn apply(&self, place: Vec3) -> Vec3 {
         let at = (place.as_dvec3() - self.middle) / self.unit;
         let (radial, affine) = self.coefficients.split_at(self.from.len());
         let basis = [1.0, at.x, at.y, at.z];

@@ -7,7 +7,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 /// Vertices and the lengths between neighbours. Vertices of one place are one.
 #[derive(Debug, Clone)]
-pub(super) struct SurfaceGraph {
+pub(in crate::face) struct SurfaceGraph {
     /// First neighbour of each vertex in `links`, and the end.
     first: Vec<u32>,
     links: Vec<(u32, f32)>,
@@ -17,7 +17,7 @@ pub(super) struct SurfaceGraph {
 impl SurfaceGraph {
     /// The graph of triangles, with the first vertex of the same place for each vertex, and with the
     /// edges of the other side.
-    pub(super) fn of(
+    pub(in crate::face) fn of(
         positions: &[Vec3],
         joined: &[u32],
         triangles: &[[u32; 3]],
@@ -74,7 +74,7 @@ impl SurfaceGraph {
     }
 
     /// Shortest distance of each vertex to the nearest of some; infinite where no path leads.
-    pub(super) fn distances(&self, from: &[u32]) -> Vec<f32> {
+    pub(in crate::face) fn distances(&self, from: &[u32]) -> Vec<f32> {
         let nearest = self.nearest(from).into_iter();
         nearest.map(|(distance, _)| distance).collect()
     }
@@ -115,13 +115,13 @@ impl SurfaceGraph {
 }
 
 /// Smooth step from 0 at 0 to 1 at 1.
-pub(super) fn smooth(t: f32) -> f32 {
+pub(in crate::face) fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
 /// Index of the place nearest to another.
-pub(super) fn nearest(places: impl Iterator<Item = Vec3>, to: Vec3) -> Option<usize> {
+pub(in crate::face) fn nearest(places: impl Iterator<Item = Vec3>, to: Vec3) -> Option<usize> {
     let all = places.map(|p| p.distance_squared(to)).enumerate();
     all.min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(index, _)| index)

@@ -11,14 +11,14 @@ const GRID: f32 = 1e-5;
 
 /// The vertex at the mirrored place of each vertex, if there is one.
 #[derive(Debug, Clone)]
-pub(super) struct Mirror {
+pub(in crate::face) struct Mirror {
     twins: Vec<Option<u32>>,
 }
 
 impl Mirror {
     /// The twins of vertices, mirrored at a plane across x. `joined` is the first vertex of the same place
     /// of each.
-    pub(super) fn of(positions: &[Vec3], joined: &[u32], middle: f32) -> Self {
+    pub(in crate::face) fn of(positions: &[Vec3], joined: &[u32], middle: f32) -> Self {
         let key = |x: f32, p: Vec3| [x, p.y, p.z].map(|c| (c / GRID).round() as i32);
         let all = positions.iter().zip(joined);
         let first: HashMap<[i32; 3], u32> = all

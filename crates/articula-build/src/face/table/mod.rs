@@ -7,6 +7,7 @@
 //! - `tongue`: the tongue, inside of the mouth
 //! - `graph`: distances along the skin
 //! - `weights`: how much each vertex follows each handle
+//! - `jaw`: how the lower jaw goes with the chin
 //! - `lids`: rims that meet, in front of the eyeballs
 //! - `mirror`: vertices at mirrored places
 //! - `others`: what is inside of the mouth, and what is attached to the skin
@@ -20,6 +21,7 @@ mod eye_shape;
 mod eyeballs;
 mod graph;
 mod handles;
+mod jaw;
 mod lids;
 mod mirror;
 mod normals;
@@ -36,14 +38,16 @@ use articula_core::fap_table::{LOW_FAPS, TABLE};
 use articula_core::feature_points::PointId;
 use eyeballs::{Eyeball, Gaze};
 use glam::{Quat, Vec3};
-use graph::SurfaceGraph;
 use handles::{Handle, HandleKind, handles};
 use lids::{EyeLids, LidInput};
-use mirror::Mirror;
 use others::Others;
 use rules::RuleFrame;
 use tongue::Tongue;
 use weights::{WeightInput, weights};
+
+pub(super) use graph::{SurfaceGraph, nearest, smooth};
+pub(super) use mirror::Mirror;
+pub(super) use weights::sheet;
 
 pub use eye_shape::EyeShape;
 pub use normals::normal_offsets;
@@ -70,6 +74,8 @@ pub struct FaceTable {
     eyeballs: Option<[Eyeball; 2]>,
     /// The lids of both eyes, where their rims are found.
     lids: [Option<EyeLids>; 2],
+    /// Vertex of the bottom of the chin.
+    chin: Option<u32>,
     positions: Vec<Vec3>,
     /// Height of the face, metres.
     height: f32,
@@ -152,6 +158,7 @@ impl FaceTable {
                     .map(|(ball, centre)| Eyeball::new(ball, centre, &surface.positions))
             }),
             lids,
+            chin: points.get((2, 1)).and_then(|p| p.vertex),
             positions: surface.positions.clone(),
             height,
         })
@@ -207,11 +214,7 @@ impl FaceTable {
             let gaze = Gaze::of(values, side, units.eye_separation, units.iris_diameter);
             eye.apply(&gaze, &self.positions, &mut all);
         }
-        for offset in &mut all {
-            if offset.length_squared() < LEAST * LEAST {
-                *offset = Vec3::ZERO;
-            }
-        }
+        jaw::still_below_least(&mut all);
         all
     }
 

@@ -201,7 +201,7 @@ pub(super) fn weights(input: &WeightInput<'_>, vertices: &[u32]) -> Option<Vec<f
 }
 
 /// 0 on the upper sheet, 1 on the lower one, by the distances along the surface to each.
-fn sheet(upper: f32, lower: f32, band: f32) -> f32 {
+pub(in crate::face) fn sheet(upper: f32, lower: f32, band: f32) -> f32 {
     if !upper.is_finite() || !lower.is_finite() {
         return if upper <= lower { 0.0 } else { 1.0 };
     }

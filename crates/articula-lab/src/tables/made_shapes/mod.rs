@@ -15,12 +15,31 @@ mod measured;
 mod page;
 
 use super::Run;
-use anyhow::Result;
+use anyhow::{Context, Result};
+use articula_build::face::MouthMotions;
+use clap::Args;
 use heads::Head;
+use std::path::PathBuf;
 
-/// Judges all heads and writes the page.
-pub(crate) fn write(run: &Run) -> Result<()> {
-    let heads = Head::all(&run.data)?.into_iter().map(|head| {
+/// What is judged.
+#[derive(Args)]
+pub(crate) struct Choice {
+    /// Heads whose name contains this text only, such as ICT.
+    #[arg(long, default_value = "")]
+    head: String,
+    /// Writes the motions of the lower face that the heads with shapes of their own show, and judges nothing.
+    #[arg(long, value_name = "FILE")]
+    motions: Option<PathBuf>,
+}
+
+/// Judges the heads and writes the page.
+pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
+    if let Some(path) = &choice.motions {
+        let all = heads::motions(&run.data)?.into_iter();
+        let mean = MouthMotions::mean(&all.map(|(_, motions)| motions).collect::<Vec<_>>());
+        return std::fs::write(path, mean.write()).with_context(|| path.display().to_string());
+    }
+    let heads = Head::all(&run.data, &choice.head)?.into_iter().map(|head| {
         let rows = measured::rows(&head);
         (head, rows)
     });

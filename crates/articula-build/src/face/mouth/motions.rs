@@ -1,0 +1,206 @@
+//! The motions of all blend shapes of the lower face, and their file.
+
+use super::super::points::{FacePoints, FaceSurface};
+use super::super::table::FaceTable;
+use super::chart::{COLUMNS, MouthChart, ROWS};
+use super::measure;
+use super::motion::{Motion, Side, across, mirrored};
+use glam::Vec3;
+use thiserror::Error;
+
+/// The mean motions of ICT-FaceKit and of the woman of MakeHuman (`docs/methods/faces.md`).
+static STORED: &[u8] = include_bytes!("motions.bin");
+/// A unit of the file, by the height of the face.
+const UNIT: f32 = 2e-5;
+
+/// Blend shapes that are alike on both sides.
+const EVEN: [&str; 10] = [
+    "jawForward",
+    "jawOpen",
+    "mouthClose",
+    "mouthFunnel",
+    "mouthPucker",
+    "mouthRollLower",
+    "mouthRollUpper",
+    "mouthShrugLower",
+    "mouthShrugUpper",
+    "cheekPuff",
+];
+/// Blend shapes of one side, without it.
+const SIDED: [&str; 11] = [
+    "jaw",
+    "mouth",
+    "mouthSmile",
+    "mouthFrown",
+    "mouthDimple",
+    "mouthStretch",
+    "mouthPress",
+    "mouthLowerDown",
+    "mouthUpperUp",
+    "cheekSquint",
+    "noseSneer",
+];
+
+/// Bytes are no motions of blend shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("motions of the mouth have {expected} bytes, not {found}")]
+pub struct BrokenMotions {
+    expected: usize,
+    found: usize,
+}
+
+/// How the lower face moves with each blend shape of jaw, mouth, cheeks and nose, on any head.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MouthMotions {
+    /// In the order of [`EVEN`] and [`SIDED`], these of the left side.
+    motions: Vec<Motion>,
+}
+
+/// The columns that are stored: all, or those of the left side.
+fn columns(index: usize) -> Vec<usize> {
+    let is_left = |c: &usize| *c <= COLUMNS / 4 || *c >= 3 * COLUMNS / 4;
+    (0..COLUMNS)
+        .filter(|c| index >= EVEN.len() || is_left(c))
+        .collect()
+}
+
+impl MouthMotions {
+    /// The motions that are kept with the program.
+    pub fn stored() -> Self {
+        Self::read(STORED).unwrap_or_else(|_| Self::mean(&[]))
+    }
+
+    /// The motions that a head shows, with the mean of both sides; those of blend shapes that it does not have rest. `None`
+    /// if its feature points lie in a plane.
+    pub fn measured(surface: &FaceSurface, points: &FacePoints) -> Option<Self> {
+        let chart = MouthChart::new(surface, points)?;
+        let fits = measure::fits(&chart);
+        let of = |shape: String| {
+            let found = surface.shapes.iter().find(|(name, _)| *name == shape);
+            Some(measure::motion(&chart, &fits, &found?.1))
+        };
+        let even = EVEN.iter().map(|name| {
+            let motion = of((*name).to_owned());
+            [motion.as_ref().map(Motion::mirrored), motion]
+        });
+        let sided = SIDED.iter().map(|name| {
+            let right = of(format!("{name}Right"));
+            [
+                of(format!("{name}Left")),
+                right.as_ref().map(Motion::mirrored),
+            ]
+        });
+        // A closed mouth is one whose jaw is open: alone, it presses the lips together.
+        let motion = |(index, sides): (usize, [Option<Motion>; 2])| {
+            let mean = Motion::mean(sides.iter().flatten());
+            match EVEN.get(index) {
+                Some(&"mouthClose") => mean,
+                _ => mean.with_lips_apart(),
+            }
+        };
+        let both = even.chain(sided).enumerate();
+        Some(Self {
+            motions: both.map(motion).collect(),
+        })
+    }
+
+    /// The mean of some heads; a blend shape is that of the heads that have it.
+    pub fn mean(heads: &[Self]) -> Self {
+        let of = |index: usize| {
+            let all = heads.iter().map(|head| &head.motions[index]);
+            Motion::mean(all.filter(|motion| !motion.is_still()))
+        };
+        Self {
+            motions: (0..EVEN.len() + SIDED.len()).map(of).collect(),
+        }
+    }
+
+    /// Reads what [`MouthMotions::write`] wrote.
+    ///
+    /// # Errors
+    /// [`BrokenMotions`] if there are more or fewer bytes.
+    pub fn read(bytes: &[u8]) -> Result<Self, BrokenMotions> {
+        let all = EVEN.len() + SIDED.len();
+        let expected = (0..all).map(|i| 6 * ROWS * columns(i).len()).sum();
+        let found = bytes.len();
+        if found != expected {
+            return Err(BrokenMotions { expected, found });
+        }
+        let mut values = bytes
+            .chunks_exact(2)
+            .map(|b| UNIT * f32::from(i16::from_le_bytes([b[0], b[1]])));
+        let mut next = || values.next().unwrap_or_default();
+        let mut motions = vec![Motion::still(); all];
+        for (index, motion) in motions.iter_mut().enumerate() {
+            for column in columns(index) {
+                for row in 0..ROWS {
+                    let displacement = Vec3::new(next(), next(), next());
+                    if index < EVEN.len() {
+                        motion.nodes[across(column) * ROWS + row] = mirrored(displacement);
+                    }
+                    motion.nodes[column * ROWS + row] = displacement;
+                }
+            }
+        }
+        Ok(Self { motions })
+    }
+
+    /// The motions as bytes: for each blend shape, column and row of the chart the displacement, each component as a
+    /// little-endian integer of 16 bits in 50 000ths of the height of the face. Of shapes that are alike on both sides
+    /// there are the columns of the left one.
+    pub fn write(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        for (index, motion) in self.motions.iter().enumerate() {
+            for column in columns(index) {
+                for displacement in &motion.nodes[column * ROWS..(column + 1) * ROWS] {
+                    let units = displacement.to_array().map(|c| (c / UNIT).round() as i16);
+                    bytes.extend(units.into_iter().flat_map(i16::to_le_bytes));
+                }
+            }
+        }
+        bytes
+    }
+
+    /// Returns the displacement of each vertex of a head by a blend shape, by its name in ARKit, metres; `None` if it is
+    /// none of those that are known.
+    pub fn displacements(
+        &self,
+        shape: &str,
+        chart: &MouthChart,
+        table: &FaceTable,
+    ) -> Option<Vec<Vec3>> {
+        let (motion, side) = self.find(shape)?;
+        let mut skin = motion.over(chart, side);
+        let jaw = shape
+            .starts_with("jaw")
+            .then(|| table.jaw_of(&skin))
+            .flatten();
+        for place in chart.places.iter().filter(|p| p.inside > 0.0) {
+            let v = place.vertex as usize;
+            let with_jaw = jaw.map_or(Vec3::ZERO, |jaw| place.lower * table.with_jaw(v, &jaw));
+            skin[v] = skin[v].lerp(with_jaw, place.inside);
+        }
+        chart.folds.unfold(&mut skin);
+        let mut all = table.displacements_of_skin(&skin, jaw.as_ref());
+        for place in &chart.others {
+            all[place.vertex as usize] = chart.height * motion.of(place, side);
+        }
+        Some(all)
+    }
+
+    /// The motion of a blend shape that is known, and the side it is taken to.
+    fn find(&self, shape: &str) -> Option<(&Motion, Side)> {
+        let even = EVEN.iter().position(|name| *name == shape);
+        let of_side = |side: &str| {
+            let name = shape.strip_suffix(side)?;
+            Some(EVEN.len() + SIDED.iter().position(|sided| *sided == name)?)
+        };
+        let own = even.or_else(|| of_side("Left"));
+        let (index, side) = match own {
+            Some(index) => (index, Side::Own),
+            None => (of_side("Right")?, Side::Mirrored),
+        };
+        let motion = &self.motions[index];
+        (!motion.is_still()).then_some((motion, side))
+    }
+}
