@@ -19,6 +19,7 @@ use crate::planar::PlanarError;
 use crate::planar::keyed_clip::{
     BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits,
 };
+use crate::planar::keyed_motion::{ANGLE, KeyedMotion, SCALE, TRANSLATION};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -35,8 +36,18 @@ const MAX_TURNED_POINTS: usize = 16;
 pub(crate) fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     let mut writer = SvgWriter::new(clip, name);
-    for shape in &clip.shapes {
-        writer.shape(shape);
+    let same = |a: &KeyedShape, b: &KeyedShape| a.motion == b.motion;
+    for run in clip.shapes.chunk_by(same) {
+        let motion = run[0].motion.map(|m| &clip.motions[m as usize]);
+        if let Some(motion) = motion {
+            writer.begin_motion(motion);
+        }
+        for shape in run {
+            writer.shape(shape);
+        }
+        if motion.is_some() {
+            writer.end_group();
+        }
     }
     Ok(writer.finish())
 }
@@ -105,6 +116,31 @@ impl<'a> SvgWriter<'a> {
     pub(super) fn begin_group(&mut self, attributes: &str, shown: &[Range<u32>]) {
         let display = self.display(shown);
         let _ = write!(self.out, "<g{attributes}>{display}");
+    }
+
+    /// Begins a group that follows a motion.
+    fn begin_motion(&mut self, motion: &KeyedMotion) {
+        let parts = transforms(motion);
+        self.out.push_str(r#"<g transform=""#);
+        for (kind, track, unit) in &parts {
+            let first = fixed_numbers(track.key(0), *unit);
+            let _ = write!(self.out, "{kind}({first})");
+        }
+        self.out.push_str(r#"">"#);
+        for (i, (kind, track, unit)) in parts.iter().enumerate() {
+            let key = |k: usize| (2 * track.frames[k], fixed_numbers(track.key(k), *unit));
+            let mut keys: Vec<(u32, String)> = (0..track.len()).map(key).collect();
+            if track.is_still() {
+                keys.push((self.clock.end(), keys[0].1.clone()));
+            }
+            // The first replaces the attribute, the others are applied before it.
+            let sum = if i > 0 { r#" additive="sum""# } else { "" };
+            let begin = format!(
+                r#"<animateTransform attributeName="transform" type="{kind}"{sum}{}"#,
+                self.timing()
+            );
+            self.out += &self.values(begin, &keys);
+        }
     }
 
     /// Ends a group.
@@ -229,7 +265,12 @@ impl<'a> SvgWriter<'a> {
 
     /// One linear animation.
     fn animate(&self, attribute: &str, keys: &[(u32, String)]) -> String {
-        let mut out = self.begin(attribute);
+        self.values(self.begin(attribute), keys)
+    }
+
+    /// Adds the keys to the beginning of a linear animation, and ends it.
+    fn values(&self, begin: String, keys: &[(u32, String)]) -> String {
+        let mut out = begin;
         out.push_str(r#" values=""#);
         for (k, (_, value)) in keys.iter().enumerate() {
             out.push_str(if k > 0 { ";" } else { "" });
@@ -252,10 +293,11 @@ impl<'a> SvgWriter<'a> {
     }
 
     fn begin(&self, attribute: &str) -> String {
-        format!(
-            r#"<animate attributeName="{attribute}" dur="{}" repeatCount="indefinite""#,
-            self.clock.dur()
-        )
+        format!(r#"<animate attributeName="{attribute}"{}"#, self.timing())
+    }
+
+    fn timing(&self) -> String {
+        format!(r#" dur="{}" repeatCount="indefinite""#, self.clock.dur())
     }
 
     /// Animation that shows something in spans of half frames only.
@@ -397,13 +439,47 @@ fn units_of(lines: LineUnits) -> &'static str {
 
 /// Thousandths as the shortest decimal number.
 fn decimal(thousandths: i32) -> String {
-    let text = format!("{:.3}", f64::from(thousandths.abs()) / f64::from(BOX));
+    fixed(thousandths, f64::from(BOX))
+}
+
+/// A number in units of a power of ten, as the shortest decimal number.
+fn fixed(value: i32, unit: f64) -> String {
+    let digits = unit.log10().round() as usize;
+    let text = format!("{:.digits$}", f64::from(value.abs()) / unit);
     let text = text.trim_end_matches('0').trim_end_matches('.');
     let text = text
         .strip_prefix("0.")
         .map_or(text.to_owned(), |rest| format!(".{rest}"));
-    let sign = if thousandths < 0 { "-" } else { "" };
+    let sign = if value < 0 { "-" } else { "" };
     format!("{sign}{text}")
+}
+
+fn fixed_numbers(values: &[i32], unit: f64) -> String {
+    let texts: Vec<String> = values.iter().map(|v| fixed(*v, unit)).collect();
+    let mut out = texts[0].clone();
+    for text in &texts[1..] {
+        out.push_str(if text.starts_with('-') { "" } else { " " });
+        out.push_str(text);
+    }
+    out
+}
+
+/// Parts of a motion in the sequence of a list of transforms: name, numbers, units of 1. Rotation, skew and
+/// scale are left out where they change nothing.
+fn transforms(motion: &KeyedMotion) -> Vec<(&'static str, &KeyedTrack, f64)> {
+    let [translation, rotation, skew, scale] = motion.tracks();
+    let parts = [
+        ("rotate", rotation, ANGLE, 0),
+        ("skewX", skew, ANGLE, 0),
+        ("scale", scale, SCALE, SCALE as i32),
+    ];
+    let changes = |track: &KeyedTrack, usual: i32| track.values.iter().any(|v| *v != usual);
+    let parts = parts
+        .into_iter()
+        .filter(|(_, track, _, usual)| changes(track, *usual));
+    std::iter::once(("translate", translation, TRANSLATION))
+        .chain(parts.map(|(kind, track, unit, _)| (kind, track, unit)))
+        .collect()
 }
 
 /// Path data of outlines.
@@ -468,12 +544,14 @@ mod tests {
             frames,
             lines: LineUnits::Grid,
             ramps: vec![[255, 0, 0]],
+            motions: vec![],
             shapes,
         }
     }
 
     fn triangle(outline: KeyedTrack, frames: u32) -> KeyedShape {
         KeyedShape {
+            motion: None,
             outline,
             further_outlines: vec![],
             paint: KeyedPaint::Flat([0x11, 0x22, 0x33]),

@@ -150,6 +150,7 @@ fn keyed(clip: &PlanarClip, shading: Shading) -> KeyedClip {
         let end = 2 * (FRAMES as u32 - 1) + 1;
         let shown = (2 * first as u32).saturating_sub(1)..(2 * last as u32 + 1).min(end);
         Some(KeyedShape {
+            motion: None,
             outline: track(outline.collect(), 6),
             further_outlines: vec![],
             paint: match shading {
@@ -170,6 +171,7 @@ fn keyed(clip: &PlanarClip, shading: Shading) -> KeyedClip {
         fps: FPS,
         frames: FRAMES as u32,
         ramps: COLORS.to_vec(),
+        motions: vec![],
         lines: LineUnits::Grid,
         shapes: (0..clip.triangles.len()).filter_map(shape).collect(),
     }
@@ -318,6 +320,7 @@ fn players_show_the_flat_cube() {
 /// A clip of one shape, an outline inside another with the opposite winding.
 fn ring(clip: KeyedClip) -> KeyedClip {
     let ring = KeyedShape {
+        motion: None,
         outline: KeyedTrack::still(vec![
             0, 0, 800, 0, 800, 800, 0, 800, 200, 200, 200, 600, 600, 600, 600, 200,
         ]),
