@@ -622,6 +622,55 @@ mod tests {
     }
 
     #[test]
+    fn corners_of_shapes_that_follow_a_motion_are_within_the_tolerance_too() {
+        let clip = fixture::turning_cube(40);
+        let still = |values: Vec<i32>| KeyedTrack::still(values);
+        let turning = KeyedMotion {
+            translation: still(vec![2000, 2000]),
+            rotation: KeyedTrack {
+                frames: vec![0, 39],
+                values: vec![0, 4000],
+                width: 1,
+            },
+            skew: still(vec![800]),
+            scale: still(vec![12_000, 8000]),
+        };
+        let drawn = Drawn::of(&clip).unwrap();
+        let layers = Painting::single(&clip, &drawn).unwrap().layers(&drawn);
+        let options = KeyOptions::default();
+        let of_layer = vec![Some(0); layers.len()];
+        let along = |motions: &[KeyedMotion]| {
+            let follow = (motions, &of_layer[..]);
+            keyed_along(&clip, &drawn, &layers, &unsealed(&clip), follow, &options)
+        };
+        let (keyed, stats) = along(std::slice::from_ref(&turning)).unwrap();
+        assert!(stats.position_max_px <= 0.5 + 1e-6, "{stats:?}");
+        assert!(stats.color_rmse_levels <= 8.0, "{stats:?}");
+        // On the picture, by the motion.
+        for (shape, layer) in keyed.shapes.iter().zip(&layers) {
+            for f in layer.frames.iter().cloned().flatten() {
+                let at = shape.outline.at(f as f64);
+                let places = clip.places(f, layer.triangle as usize);
+                for (i, place) in places.into_iter().enumerate() {
+                    let point = DVec2::new(at[2 * i], at[2 * i + 1]);
+                    let shown = turning.at(f as f64).transform_point2(point) / f64::from(GRID);
+                    let off = (shown - place.as_dvec2()).abs().max_element();
+                    assert!(off <= 0.5 + 1e-4, "frame {f}: {off}");
+                }
+            }
+        }
+        // The file read back shows the same as without a motion.
+        let picture = |clip: &KeyedClip| {
+            let moving = AnimatedSvg::read(&smil(clip, "").unwrap()).unwrap();
+            crate::vector::raster(&moving.at(0.8).unwrap(), [255; 4]).unwrap()
+        };
+        let (plain, ..) = reduced(&clip, &options);
+        let apart = crate::compare::rmse(&picture(&keyed), &picture(&plain)).unwrap();
+        assert!(apart < 9.0, "{apart} levels");
+        assert!(along(&[]).is_err());
+    }
+
+    #[test]
     fn more_tolerance_never_needs_more_bytes_on_a_cube() {
         let clip = fixture::turning_cube(60);
         let length = |pos_tol_px: f32| {

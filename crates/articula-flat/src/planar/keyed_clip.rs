@@ -290,6 +290,7 @@ mod tests {
     #[test]
     fn a_frame_is_shown_half_a_frame_to_both_sides() {
         let shape = KeyedShape {
+            motion: None,
             outline: KeyedTrack::still(vec![0; 6]),
             further_outlines: vec![],
             paint: KeyedPaint::Flat([0; 3]),

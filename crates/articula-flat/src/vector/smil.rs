@@ -549,6 +549,56 @@ mod tests {
         }
     }
 
+    #[test]
+    fn shapes_of_one_motion_are_in_one_group() {
+        let outline = KeyedTrack::still(vec![0, 0, 8, 0, 0, 8]);
+        let follows = |motion| KeyedShape {
+            motion,
+            ..triangle(outline.clone(), 5)
+        };
+        let motion = KeyedMotion {
+            translation: KeyedTrack {
+                frames: vec![0, 2, 4],
+                values: vec![105, -20, 0, 0, -7, 300],
+                width: 2,
+            },
+            rotation: KeyedTrack::still(vec![-4550]),
+            skew: KeyedTrack::still(vec![0]),
+            scale: KeyedTrack {
+                frames: vec![0, 1, 4],
+                values: vec![10_000, 9500, 12_000, 10_000, 10_000, 10_000],
+                width: 2,
+            },
+        };
+        let mut clip = clip(5, [None, Some(0), Some(0), None].map(follows).to_vec());
+        clip.motions.push(motion.clone());
+        let text = smil(&clip, "").unwrap();
+        assert_eq!(text.matches("<g ").count(), 1);
+        let group = concat!(
+            r#"<g transform="translate(10.5-2)rotate(-45.5)scale(1 .95)">"#,
+            r#"<animateTransform attributeName="transform" type="translate" dur="0.16" "#,
+            r#"repeatCount="indefinite" values="10.5-2;0 0;-.7 30"/>"#,
+            r#"<animateTransform attributeName="transform" type="rotate" additive="sum" dur="0.16" "#,
+            r#"repeatCount="indefinite" values="-45.5;-45.5"/>"#,
+            r#"<animateTransform attributeName="transform" type="scale" additive="sum" dur="0.16" "#,
+            r#"repeatCount="indefinite" values="1 .95;1.2 1;1 1" keyTimes="0;.25;1"/><path"#,
+        );
+        assert!(text.contains(group), "{text}");
+        // The reader composes them in that sequence, between keys too.
+        let still = AnimatedSvg::read(&text).unwrap().at(0.06).unwrap();
+        let transform = still.split(r#"transform=""#).nth(1).unwrap();
+        assert!(
+            transform.starts_with(r#"translate(2.625-0.5)rotate(-45.5)scale(1.1667 1)""#),
+            "{transform}"
+        );
+        let wrong = KeyedShape {
+            motion: Some(1),
+            ..follows(None)
+        };
+        clip.shapes.push(wrong);
+        assert!(smil(&clip, "").is_err());
+    }
+
     fn triangle(outline: KeyedTrack, frames: u32) -> KeyedShape {
         KeyedShape {
             motion: None,

@@ -594,6 +594,24 @@ mod tests {
         ))
     }
 
+    fn moved(rest: &str) -> String {
+        file(&format!(
+            r#"<g transform="scale(9)"><animateTransform attributeName="transform" dur="2s" repeatCount="indefinite" {rest}/></g>"#
+        ))
+    }
+
+    #[test]
+    fn transforms_are_added_in_sequence() {
+        let second = r#"<animateTransform attributeName="transform" type="rotate" additive="sum" dur="2" repeatCount="indefinite" values="90;0"/>"#;
+        let text =
+            moved(r#"type="translate" values="0 0;8-4""#).replace("</g>", &format!("{second}</g>"));
+        let svg = AnimatedSvg::read(&text).unwrap();
+        assert_eq!(
+            svg.at(0.5).unwrap(),
+            file(r#"<g transform="translate(2-1)rotate(67.5)"/>"#)
+        );
+    }
+
     #[test]
     fn moments_by_hand() {
         let text =
@@ -681,6 +699,19 @@ mod tests {
             ),
             (&animate(r#"values="m0 0" begin="1s""#), "begin"),
             (&animate(r#"values="m0 0" calcMode="spline""#), "spline"),
+            (&animate(r#"values="m0 0" additive="sum""#), "additive"),
+            (&moved(r#"type="matrix" values="1""#), "another type"),
+            (&moved(r#"values="1""#), "another type"),
+            (&moved(r#"type="rotate" values="1 2 3""#), "values"),
+            (&moved(r#"type="scale" values="1;1 2""#), "different"),
+            (
+                &moved(r#"type="scale" values="1;2" additive="much""#),
+                "additive",
+            ),
+            (
+                &moved(r#"type="scale" values="1;2" calcMode="discrete""#),
+                "discrete",
+            ),
         ];
         for (text, word) in bad {
             let error = AnimatedSvg::read(text).unwrap_err().to_string();

@@ -44,6 +44,11 @@ impl Costs {
         }
     }
 
+    #[cfg(test)]
+    pub(super) fn from_rows(rows: Vec<Vec<f32>>, groups: Vec<f32>) -> Self {
+        Self { rows, groups }
+    }
+
     /// Bytes of a layer: index 0 without a motion, then with each of them.
     pub(super) fn row(&self, layer: usize) -> &[f32] {
         &self.rows[layer]

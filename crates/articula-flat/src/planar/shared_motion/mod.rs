@@ -134,3 +134,110 @@ fn used(motions: Vec<KeyedMotion>, of_layer: &mut [Option<u32>]) -> Vec<KeyedMot
     kept.filter_map(|(motion, is_used)| is_used.then_some(motion))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planar::Drawn;
+    use crate::planar::clip::fixture;
+    use crate::planar::order::Painting;
+    use glam::Vec2;
+
+    /// Sixteen small triangles on each of two plates that swing about their own points; the plates
+    /// alternate in the clip.
+    fn swinging(frames: usize) -> PlanarClip {
+        let corners = |i: usize| {
+            let (plate, n) = (i % 2, i / 2);
+            let x = 40.0 + 120.0 * plate as f32 + 8.0 * (n % 4) as f32;
+            let y = 40.0 + 8.0 * (n / 4) as f32;
+            [[x, y, 0.5], [x, y + 6.0, 0.5], [x + 6.0, y, 0.5]]
+        };
+        let all: Vec<_> = (0..32)
+            .map(|i| (corners(i), [i as u8 * 7, 90, 40]))
+            .collect();
+        let mut clip = PlanarClip {
+            width: 220,
+            height: 120,
+            ..fixture::loose(&all, frames)
+        };
+        for (f, frame) in clip.frames.iter_mut().enumerate() {
+            let angle = 0.6 * (f as f32 / frames as f32 * std::f32::consts::TAU).sin();
+            for (v, place) in frame.xy.iter_mut().enumerate() {
+                let plate = v / 3 % 2;
+                let pivot = Vec2::new(55.0 + 120.0 * plate as f32, 30.0);
+                let turn = if plate == 0 { angle } else { -1.3 * angle };
+                *place = pivot + Vec2::from_angle(turn).rotate(*place - pivot);
+            }
+        }
+        for (t, part) in clip.part.iter_mut().enumerate() {
+            *part = (t % 2) as u16;
+        }
+        clip
+    }
+
+    fn shared(clip: &PlanarClip) -> SharedMotions {
+        let drawn = Drawn::of(clip).unwrap();
+        let painting = Painting::single(clip, &drawn).unwrap();
+        let overlaps = Overlaps::of(clip, &drawn).unwrap();
+        SharedMotions::of(clip, &painting, &painting.layers(&drawn), &overlaps, 0.5)
+    }
+
+    #[test]
+    fn two_plates_are_two_motions_that_leave_nothing_to_move() {
+        let clip = swinging(40);
+        let shared = shared(&clip);
+        assert_eq!(shared.motions.len(), 2);
+        let plates: Vec<u32> = shared.layers.iter().map(|l| l.triangle % 2).collect();
+        // Each plate in one run.
+        assert_eq!(plates.chunk_by(|a, b| a == b).count(), 2, "{plates:?}");
+        for (layer, motion) in shared.layers.iter().zip(&shared.of_layer) {
+            let motion = &shared.motions[motion.unwrap() as usize];
+            let placed = Placed::of(motion, clip.frames.len());
+            let corner = |f: usize| {
+                let place = clip.places(f, layer.triangle as usize)[0].as_dvec2() * 4.0;
+                placed[f].to_shape(place)
+            };
+            // Half a pixel is two grid steps.
+            let off = (1..40)
+                .map(|f| corner(f).distance(corner(0)))
+                .fold(0.0, f64::max);
+            assert!(off < 2.0, "triangle {}: {off}", layer.triangle);
+        }
+    }
+
+    #[test]
+    fn what_lies_over_the_other_plate_keeps_its_place_in_the_order() {
+        let mut clip = swinging(12);
+        // The last triangle is behind all others.
+        for frame in &mut clip.frames {
+            for (corner, to) in [[-90.0, -90.0], [-90.0, 690.0], [690.0, -90.0]]
+                .into_iter()
+                .enumerate()
+            {
+                frame.xy[93 + corner] = Vec2::from(to);
+                frame.nearness[93 + corner] = 0.1;
+            }
+        }
+        let shared = shared(&clip);
+        assert_eq!(shared.layers[0].triangle, 31);
+        let drawn = Drawn::of(&clip).unwrap();
+        let before = Painting::single(&clip, &drawn).unwrap();
+        let overlaps = Overlaps::of(&clip, &drawn).unwrap();
+        assert_eq!(overlaps.wrong(&shared.painting), overlaps.wrong(&before));
+    }
+
+    #[test]
+    fn a_clip_that_does_not_move_has_no_motions() {
+        let mut clip = swinging(9);
+        let first = clip.frames[0].clone();
+        clip.frames.fill(first);
+        let shared = shared(&clip);
+        assert!(shared.motions.is_empty());
+        assert!(shared.of_layer.iter().all(Option::is_none));
+        let one = swinging(1);
+        let overlaps = Overlaps::of(&one, &Drawn::of(&one).unwrap()).unwrap();
+        let none = Painting { epochs: vec![] };
+        let nothing = SharedMotions::of(&one, &none, &[], &overlaps, 0.5);
+        assert!(nothing.motions.is_empty() && nothing.layers.is_empty());
+    }
+}

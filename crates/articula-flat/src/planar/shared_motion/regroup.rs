@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Returns an order of all layers in which those with equal labels follow each other as far as that keeps
 /// the sequence of both layers of each pair of `fixed`; `order` is the order so far.
 ///
-/// The label that allows the longest run comes next.
+/// Next comes the longest run after which nothing with its label is left; if there is none, the longest.
 pub(super) fn regrouped(
     order: &[usize],
     fixed: &[(usize, usize)],
@@ -13,7 +13,7 @@ pub(super) fn regrouped(
 ) -> Vec<usize> {
     let mut waiting = Waiting::new(order, fixed, labels);
     let mut regrouped = Vec::with_capacity(order.len());
-    while let Some(label) = waiting.longest() {
+    while let Some(label) = waiting.next() {
         while let Some(layer) = waiting.take(label) {
             regrouped.push(layer);
         }
@@ -33,6 +33,8 @@ struct Waiting<'a> {
     open: Vec<u32>,
     /// Places of layers that may come next, by label.
     ready: BTreeMap<Option<u32>, BTreeSet<usize>>,
+    /// Number of layers that wait, by label.
+    left: BTreeMap<Option<u32>, usize>,
 }
 
 impl<'a> Waiting<'a> {
@@ -59,6 +61,10 @@ impl<'a> Waiting<'a> {
                 .or_default()
                 .insert(place[*layer]);
         }
+        let mut left = BTreeMap::new();
+        for label in labels {
+            *left.entry(*label).or_default() += 1;
+        }
         Self {
             labels,
             order,
@@ -66,12 +72,14 @@ impl<'a> Waiting<'a> {
             after,
             open,
             ready,
+            left,
         }
     }
 
     /// Takes the next layer with a label, if one may come.
     fn take(&mut self, label: Option<u32>) -> Option<usize> {
         let layer = self.order[self.ready.get_mut(&label)?.pop_first()?];
+        *self.left.entry(label).or_default() -= 1;
         for then in std::mem::take(&mut self.after[layer]) {
             self.open[then] -= 1;
             if self.open[then] == 0 {
@@ -82,17 +90,16 @@ impl<'a> Waiting<'a> {
         Some(layer)
     }
 
-    /// The label with the longest run; `None` if nothing is left.
-    fn longest(&self) -> Option<Option<u32>> {
+    /// The label that comes next; `None` if nothing is left.
+    fn next(&self) -> Option<Option<u32>> {
         let ready = self.ready.iter().filter(|(_, layers)| !layers.is_empty());
-        let length = |label: &Option<u32>| {
-            let mut run = Run::new(self);
-            run.length(*label)
-        };
-        let runs = ready.map(|(label, _)| (*label, length(label)));
-        let longer =
-            |a: (Option<u32>, usize), b: (Option<u32>, usize)| if b.1 > a.1 { b } else { a };
-        runs.reduce(longer).map(|(label, _)| label)
+        let runs = ready.map(|(label, _)| {
+            let length = Run::new(self).length(*label);
+            (*label, (length == self.left[label], length))
+        });
+        // The first of equal ones.
+        let next = runs.reduce(|a, b| if b.1 > a.1 { b } else { a });
+        next.map(|(label, _)| label)
     }
 }
 
@@ -127,5 +134,47 @@ impl<'a, 'b> Run<'a, 'b> {
             }
         }
         length
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn what_is_not_fixed_comes_together() {
+        let labels = [0, 1, 0, 1, 0].map(Some);
+        let order = [0, 1, 2, 3, 4];
+        assert_eq!(regrouped(&order, &[], &labels), [0, 2, 4, 1, 3]);
+        // The last of the first label has to follow one of the second.
+        assert_eq!(regrouped(&order, &[(3, 4)], &labels), [1, 3, 0, 2, 4]);
+        assert_eq!(
+            regrouped(&order, &[(0, 1), (3, 4)], &labels),
+            [0, 2, 1, 3, 4]
+        );
+        assert!(regrouped(&[], &[], &[]).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn fixed_pairs_keep_their_sequence(
+            order in Just((0..20).collect::<Vec<usize>>()).prop_shuffle(),
+            fixed in prop::collection::vec((0usize..20, 0usize..20), 0..60),
+            labels in prop::collection::vec(prop::option::of(0u32..4), 20),
+        ) {
+            let fixed: Vec<_> = fixed.into_iter().filter(|(a, b)| a != b).collect();
+            let after = regrouped(&order, &fixed, &labels);
+            let place = |order: &[usize], l: usize| order.iter().position(|o| *o == l).unwrap();
+            for (a, b) in fixed {
+                prop_assert_eq!(
+                    place(&order, a) < place(&order, b),
+                    place(&after, a) < place(&after, b)
+                );
+            }
+            let mut all = after;
+            all.sort_unstable();
+            prop_assert_eq!(all, (0..20).collect::<Vec<_>>());
+        }
     }
 }
