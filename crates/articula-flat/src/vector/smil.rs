@@ -54,7 +54,12 @@ pub(crate) fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> 
 
 /// Writes an SVG file, shape by shape.
 pub(super) struct SvgWriter<'a> {
+    /// The file so far, without the gradients of shapes.
     out: String,
+    /// Length of the text before the gradients of shapes.
+    head: usize,
+    /// Gradients of shapes that do not move, and those that do: equal things beside each other are packed best.
+    gradients: [String; 2],
     clock: Clock,
     /// Gradients already written, by ramp and line, or stops and line.
     known: BTreeMap<GradientKey<'a>, u32>,
@@ -98,7 +103,9 @@ impl<'a> SvgWriter<'a> {
             out.push_str(r#""/></linearGradient>"#);
         }
         Self {
+            head: out.len(),
             out,
+            gradients: Default::default(),
             clock: Clock::new(clip.frames, clip.fps),
             known: BTreeMap::new(),
             lines: clip.lines,
@@ -109,6 +116,7 @@ impl<'a> SvgWriter<'a> {
     /// Ends the file.
     pub(super) fn finish(mut self) -> String {
         self.out.push_str("</svg>");
+        self.out.insert_str(self.head, &self.gradients.concat());
         self.out
     }
 
@@ -341,14 +349,14 @@ impl<'a> SvgWriter<'a> {
         let id = self.next_id;
         self.next_id += 1;
         self.known.insert(key, id);
-        let _ = write!(self.out, r#"<linearGradient id="{}""#, id_of(id));
+        let mut out = format!(r#"<linearGradient id="{}""#, id_of(id));
         let stops = match colors {
             Colors::Ramp(ramp) => {
-                let _ = write!(self.out, r##" href="#{}""##, id_of(ramp));
+                let _ = write!(out, r##" href="#{}""##, id_of(ramp));
                 String::new()
             }
             Colors::Own([from, to]) => {
-                self.out.push_str(units_of(self.lines));
+                out.push_str(units_of(self.lines));
                 let mut stops = String::from(r#"<stop stop-color=""#);
                 push_color(&mut stops, from);
                 stops.push_str(r#""/><stop offset="1" stop-color=""#);
@@ -357,12 +365,14 @@ impl<'a> SvgWriter<'a> {
                 stops
             }
         };
-        let animates = self.line(line, is_shown_first);
+        let (first, animates) = self.line(line, is_shown_first);
+        out.push_str(&first);
         if stops.is_empty() && animates.is_empty() {
-            self.out.push_str("/>");
+            out.push_str("/>");
         } else {
-            let _ = write!(self.out, ">{stops}{animates}</linearGradient>");
+            let _ = write!(out, ">{stops}{animates}</linearGradient>");
         }
+        self.gradients[usize::from(!animates.is_empty())] += &out;
         Some(id)
     }
 
@@ -379,9 +389,9 @@ impl<'a> SvgWriter<'a> {
         (self.lines == LineUnits::Box).then_some(BOX)
     }
 
-    /// Writes a gradient's line as attributes; returns its animations.
-    fn line(&mut self, line: &KeyedTrack, is_shown_first: bool) -> String {
-        let mut animates = String::new();
+    /// A gradient's line as attributes, and its animations.
+    fn line(&self, line: &KeyedTrack, is_shown_first: bool) -> (String, String) {
+        let (mut told, mut animates) = (String::new(), String::new());
         for (i, name) in ["x1", "y1", "x2", "y2"].into_iter().enumerate() {
             let keys = needed_keys(line, i);
             // x1, y1 and y2 default to 0, x2 to the whole width.
@@ -389,7 +399,7 @@ impl<'a> SvgWriter<'a> {
             let usual = if i == 2 { self.whole() } else { Some(0) };
             let is_told = Some(first) != usual && (is_shown_first || keys.len() == 1);
             if is_told {
-                let _ = write!(self.out, r#" {name}="{}""#, self.number(first));
+                let _ = write!(told, r#" {name}="{}""#, self.number(first));
             }
             if keys.len() > 1 {
                 let text = |k: &usize| (2 * line.frames[*k], self.number(line.key(*k)[i]));
@@ -397,7 +407,7 @@ impl<'a> SvgWriter<'a> {
                 animates += &self.animate(name, &keys);
             }
         }
-        animates
+        (told, animates)
     }
 }
 

@@ -6,13 +6,13 @@ use crate::planar::keyed_motion::KeyedMotion;
 use glam::DVec2;
 
 /// Bytes of the animation of an outline, apart from its keys.
-const ANIMATION: f32 = 20.0;
+const ANIMATION: f32 = 30.0;
 /// Bytes of a key of an outline.
-const KEY: f32 = 8.0;
+const KEY: f32 = 10.0;
 /// Bytes of a group that moves, apart from the keys of its motion.
 const GROUP: f32 = 60.0;
 /// Bytes of a number of a motion's key.
-const NUMBER: f32 = 2.0;
+const NUMBER: f32 = 3.0;
 
 /// Bytes of layers by motion.
 #[derive(Debug, Clone, PartialEq)]

@@ -27,7 +27,7 @@ use regroup::regrouped;
 use runs::cheapest;
 
 /// Number of times that the painting order is changed for runs that were found.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 6;
 
 /// Layers and the motions that they share.
 #[derive(Debug, Clone, PartialEq)]
