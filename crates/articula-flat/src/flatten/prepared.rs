@@ -1,6 +1,6 @@
 //! Visibility, painting order and wrong pixels of a clip, computed once for all settings.
 
-use crate::planar::order::{Layer, OrderOptions, Painted, Painting, wrong_pixels};
+use crate::planar::order::{Layer, OrderOptions, Overlaps, Painted, Painting};
 use crate::planar::split::{SplitOptions, split};
 use crate::planar::underlap::UnderlapOptions;
 use crate::planar::{Drawn, PlanarClip, PlanarError};
@@ -36,6 +36,8 @@ pub struct PreparedClip {
     pub(crate) painting: Painting,
     /// The painting order as one list with copies.
     pub(crate) layers: Vec<Layer>,
+    /// Triangles that share samples.
+    pub(crate) overlaps: Overlaps,
     /// Wrong pixels, percent of the character's.
     pub wrong_percent: f64,
     /// Wrong pixels of a depth sort per frame, percent of the character's.
@@ -60,28 +62,26 @@ impl PreparedClip {
         let sorted = Painting::depth_sort_per_frame(&clip, &painted.drawn)?;
         let wrong_percent_depth_sort = painted.overlaps.wrong(&sorted).percent_mean();
         progress.step(0.5)?;
-        let (clip, drawn, painting, wrong_percent) = match &options.split {
-            None => {
-                let wrong = painted.wrong().percent_mean();
-                (clip, painted.drawn, painted.painting, wrong)
-            }
+        let (clip, drawn, painting, overlaps) = match &options.split {
+            None => (clip, painted.drawn, painted.painting, painted.overlaps),
             Some(cut) => {
                 let cut = SplitOptions {
                     order: options.order,
                     ..*cut
                 };
                 let cut = split(&clip, &cut, &mut progress.part(0.5, 0.9))?;
-                let wrong = wrong_pixels(&cut.clip, &cut.drawn, &cut.painting)?;
-                (cut.clip, cut.drawn, cut.painting, wrong.percent_mean())
+                let overlaps = Overlaps::of(&cut.clip, &cut.drawn)?;
+                (cut.clip, cut.drawn, cut.painting, overlaps)
             }
         };
         progress.step(1.0)?;
         Ok(Self {
             layers: painting.layers(&drawn),
+            wrong_percent: overlaps.wrong(&painting).percent_mean(),
+            overlaps,
             painting,
             drawn,
             clip,
-            wrong_percent,
             wrong_percent_depth_sort,
             underlap: UnderlapOptions::default(),
         })

@@ -72,7 +72,7 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// Returns the default of a profile: 0.35 pixels and 6 levels, for the player 0.1 pixels and
+    /// Returns the default of a profile: half a pixel and 8 levels, for the player 0.1 pixels and
     /// one level.
     pub fn of(profile: Profile) -> Self {
         let is_player = matches!(profile, Profile::Player(_));
@@ -81,8 +81,8 @@ impl Quality {
                 Profile::Thesis(options) if !options.form.is_gouraud() => Shading::Flat,
                 _ => Shading::Gouraud,
             },
-            pos_tol_px: if is_player { 0.1 } else { 0.35 },
-            col_tol_levels: if is_player { 1.0 } else { 6.0 },
+            pos_tol_px: if is_player { 0.1 } else { 0.5 },
+            col_tol_levels: if is_player { 1.0 } else { 8.0 },
             merge_levels: None,
         }
     }

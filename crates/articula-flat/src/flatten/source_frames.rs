@@ -20,6 +20,9 @@ pub(super) const BACKGROUND: Rgba = [255; 4];
 /// Samples per pixel of the pictures of a clip.
 const SAMPLES: Supersampling = Supersampling::Four;
 
+/// Factor on the width of the Gaussian where bodies are judged, which have no details like a mouth.
+const COARSER: f32 = 1.3;
+
 /// Pictures of a character at some times of its clip, with the region that each pixel shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SourceFrames {
@@ -115,14 +118,14 @@ impl SourceFrames {
     ) -> Result<LocalDifferences, PlanarError> {
         let frame = &self.frames[index];
         same_size(&frame.picture, shown)?;
-        let (regions, sigma) = (&frame.regions, self.sigma_px);
-        Ok(local_differences(
-            &frame.picture,
-            shown,
-            regions,
-            sigma,
-            frame.frame,
-        ))
+        let of = |regions: &[JudgedRegion], sigma_px: f32| {
+            let is_judged = |held: &Option<JudgedRegion>| held.filter(|r| regions.contains(r));
+            let judged: Vec<_> = frame.regions.iter().map(is_judged).collect();
+            local_differences(&frame.picture, shown, &judged, sigma_px, frame.frame)
+        };
+        let mut all = of(&[JudgedRegion::Face, JudgedRegion::Hands], self.sigma_px);
+        all.add(&of(&[JudgedRegion::Body], COARSER * self.sigma_px));
+        Ok(all)
     }
 
     /// Returns the largest local differences of a clip with one frame for each of the times, shown

@@ -12,9 +12,10 @@ use super::strays::{self, Strays};
 use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
 use crate::planar::PlanarError;
-use crate::planar::key_frames::{KeyOptions, keyed};
+use crate::planar::key_frames::{KeyOptions, keyed_along};
 use crate::planar::keyed_clip::LineUnits;
 use crate::planar::reference::reference;
+use crate::planar::shared_motion::SharedMotions;
 use crate::planar::underlap::{UnderlapOptions, seal};
 use crate::vector::AnimatedSvg;
 use crate::vector::flipbook::flipbook;
@@ -193,12 +194,7 @@ fn key_framed(
     name: &str,
     is_lottie: bool,
 ) -> Result<Written, PlanarError> {
-    let PreparedClip {
-        clip,
-        drawn,
-        layers,
-        ..
-    } = prepared;
+    let PreparedClip { clip, drawn, .. } = prepared;
     let lines = if is_lottie {
         LineUnits::Grid
     } else {
@@ -209,8 +205,16 @@ fn key_framed(
     let underlap = UnderlapOptions {
         distance_px: prepared.underlap.distance_px + SLACK * quality.pos_tol_px,
     };
-    let sealed = seal(clip, drawn, &prepared.painting, underlap);
-    let (keyed, stats) = keyed(clip, drawn, layers, &sealed, &options)?;
+    let shared = SharedMotions::of(
+        clip,
+        &prepared.painting,
+        &prepared.layers,
+        &prepared.overlaps,
+        quality.pos_tol_px,
+    );
+    let sealed = seal(clip, drawn, &shared.painting, underlap);
+    let follow = (&shared.motions[..], &shared.of_layer[..]);
+    let (keyed, stats) = keyed_along(clip, drawn, &shared.layers, &sealed, follow, &options)?;
     let text = smil(&keyed, name)?;
     let moving = Box::new(AnimatedSvg::read(&text)?);
     let bytes = if is_lottie {

@@ -8,15 +8,18 @@ use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
 use super::keyed_clip::{BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
+use super::keyed_motion::KeyedMotion;
 use super::merge::{Region, merge, seal_regions};
 use super::moving_gradient::{self, Corners, Wanted};
 use super::order::Layer;
 use super::shading::{Colors, Shading, flat_color};
+use super::shared_motion::Placed;
 use super::tunnel::{Windows, fewest_keys};
 use super::underlap::{Sealed, UnderlapOptions};
-use glam::Vec2;
+use glam::{DVec2, Vec2};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::rc::Rc;
 
 /// Triangles smaller than this, in square pixels, have a larger colour tolerance: twice for a
 /// quarter of the area, so that their contribution to the image error stays the same.
@@ -87,17 +90,36 @@ pub(crate) fn keyed(
     sealed: &Sealed,
     options: &KeyOptions,
 ) -> Result<(KeyedClip, KeyStats), PlanarError> {
+    keyed_along(clip, drawn, layers, sealed, (&[], &[]), options)
+}
+
+/// The same with motions that layers follow, and the index of each layer's; layers beyond these follow
+/// none. Merged shapes follow none.
+///
+/// # Errors
+/// As [`keyed`]; [`PlanarError::Mismatch`] if an index is out of range.
+pub(crate) fn keyed_along(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    layers: &[Layer],
+    sealed: &Sealed,
+    (motions, of_layer): (&[KeyedMotion], &[Option<u32>]),
+    options: &KeyOptions,
+) -> Result<(KeyedClip, KeyStats), PlanarError> {
     clip.check()?;
     check_shapes(clip, drawn, layers, sealed)?;
+    check_motions(clip, motions, of_layer)?;
     if let (Shading::Flat, Some(levels)) = (options.shading, options.merge_levels) {
         let regions = merge(clip, drawn, layers, levels)?;
         let sealed = seal_regions(clip, &regions, UnderlapOptions::default());
         return keyed_regions(clip, &regions, &sealed, options);
     }
-    let mut reducer = Reducer::new(clip, &sealed.corners, options);
+    let mut reducer = Reducer::new(clip, &sealed.corners, motions, options);
     let mut colors: BTreeMap<u32, Colors> = BTreeMap::new();
     let mut shapes = Vec::new();
-    for layer in layers.iter().filter(|l| !l.frames.is_empty()) {
+    let motions = of_layer.iter().copied().chain(std::iter::repeat(None));
+    let shown = layers.iter().zip(motions);
+    for (layer, motion) in shown.filter(|(l, _)| !l.frames.is_empty()) {
         let t = layer.triangle as usize;
         // Every copy has the colours of the whole clip.
         let frames = (0..drawn.frames()).filter(|f| drawn.get(*f, t));
@@ -107,7 +129,7 @@ pub(crate) fn keyed(
                 Shading::Flat => Colors::Flat(flat_color(clip, t, frames)),
                 Shading::Gouraud => Colors::of(clip, t, frames),
             });
-        shapes.push(reducer.shape(layer, colors));
+        shapes.push(reducer.shape(layer, colors, motion));
     }
     Ok(reducer.finish(shapes))
 }
@@ -139,7 +161,7 @@ pub(crate) fn keyed_regions(
             what: "regions, sealed points and clip must belong together".to_owned(),
         });
     }
-    let mut reducer = Reducer::new(clip, &[], options);
+    let mut reducer = Reducer::new(clip, &[], &[], options);
     let shown = regions
         .iter()
         .zip(sealed)
@@ -187,16 +209,39 @@ fn check_shapes(
     Ok(())
 }
 
-/// Target positions of a layer's corners, with tolerances.
+fn check_motions(
+    clip: &PlanarClip,
+    motions: &[KeyedMotion],
+    of_layer: &[Option<u32>],
+) -> Result<(), PlanarError> {
+    let frames = clip.frames.len() as u32;
+    let is_known = |m: &u32| (*m as usize) < motions.len();
+    let fits = motions.iter().all(|m| m.check(frames).is_ok());
+    if fits && of_layer.iter().flatten().all(is_known) {
+        return Ok(());
+    }
+    Err(PlanarError::Mismatch {
+        at: "motions",
+        what: "must have the frames of the clip and contain those of the layers".to_owned(),
+    })
+}
+
+/// Target positions of a layer's corners in the coordinates of its shape, with tolerances.
 struct Wish {
     /// Target x and y of each point for each frame, grid steps.
     targets: Vec<f64>,
     /// Tolerance in each frame, grid steps; infinite where the position is irrelevant.
     reach: Vec<f64>,
     is_shown: Vec<bool>,
+    /// Motion of the shape by frame; empty if it has none.
+    motion: Rc<[Placed]>,
 }
 
 impl Wish {
+    fn motion(&self, frame: usize) -> Placed {
+        self.motion.get(frame).copied().unwrap_or(Placed::STILL)
+    }
+
     fn width(&self) -> usize {
         self.targets.len() / self.reach.len().max(1)
     }
@@ -222,6 +267,9 @@ fn on_grid(place: Vec2) -> [f64; 2] {
 struct Reducer<'a> {
     clip: &'a PlanarClip,
     sealed: &'a [Vec<[Vec2; 3]>],
+    motions: &'a [KeyedMotion],
+    /// Each motion by frame.
+    placed: Vec<Rc<[Placed]>>,
     options: &'a KeyOptions,
     ramps: BTreeMap<[u8; 3], u32>,
     stats: KeyStats,
@@ -248,10 +296,21 @@ impl Mean {
 }
 
 impl<'a> Reducer<'a> {
-    fn new(clip: &'a PlanarClip, sealed: &'a [Vec<[Vec2; 3]>], options: &'a KeyOptions) -> Self {
+    fn new(
+        clip: &'a PlanarClip,
+        sealed: &'a [Vec<[Vec2; 3]>],
+        motions: &'a [KeyedMotion],
+        options: &'a KeyOptions,
+    ) -> Self {
+        let frames = clip.frames.len();
         Self {
             clip,
             sealed,
+            motions,
+            placed: motions
+                .iter()
+                .map(|m| Placed::of(m, frames).into())
+                .collect(),
             options,
             ramps: BTreeMap::new(),
             stats: KeyStats::default(),
@@ -274,16 +333,19 @@ impl<'a> Reducer<'a> {
             frames: self.clip.frames.len() as u32,
             ramps,
             lines: self.options.lines,
+            motions: self.motions.to_vec(),
             shapes,
         };
         (keyed, self.stats)
     }
 
-    fn shape(&mut self, layer: &Layer, colors: Colors) -> KeyedShape {
+    fn shape(&mut self, layer: &Layer, colors: Colors, motion: Option<u32>) -> KeyedShape {
         let t = layer.triangle as usize;
         let (clip, sealed) = (self.clip, self.sealed);
+        let placed = motion.map(|m| Rc::clone(&self.placed[m as usize]));
         let wish = self.wish(
             &layer.frames,
+            placed.unwrap_or_default(),
             &Outline {
                 sealed: &|f| sealed[f][t].to_vec(),
                 places: &|f| clip.places(f, t).to_vec(),
@@ -305,6 +367,7 @@ impl<'a> Reducer<'a> {
             }
         };
         KeyedShape {
+            motion,
             outline,
             further_outlines: Vec::new(),
             paint,
@@ -314,7 +377,7 @@ impl<'a> Reducer<'a> {
 
     /// Targets of an outline. Hidden frames have no tolerance bound; those next to shown ones have
     /// a wide one, since a shape is shown for half a frame longer.
-    fn wish(&self, shown: &[Range<usize>], outline: &Outline<'_>) -> Wish {
+    fn wish(&self, shown: &[Range<usize>], motion: Rc<[Placed]>, outline: &Outline<'_>) -> Wish {
         let frames = self.clip.frames.len();
         let tol = f64::from(self.options.pos_tol_px) * f64::from(GRID);
         let mut is_shown = vec![false; frames];
@@ -325,6 +388,7 @@ impl<'a> Reducer<'a> {
             targets: Vec::new(),
             reach: Vec::with_capacity(frames),
             is_shown,
+            motion,
         };
         for f in 0..frames {
             let beside = |g: usize| wish.is_shown.get(g).copied().unwrap_or(false);
@@ -343,8 +407,10 @@ impl<'a> Reducer<'a> {
                 }
                 (false, None) => f64::INFINITY,
             };
-            wish.reach.push(reach);
-            wish.targets.extend(points.into_iter().flat_map(on_grid));
+            let placed = wish.motion(f);
+            wish.reach.push(placed.tolerance(reach));
+            let local = |point| placed.to_shape(on_grid(point).into()).to_array();
+            wish.targets.extend(points.into_iter().flat_map(local));
         }
         wish
     }
@@ -354,12 +420,14 @@ impl<'a> Reducer<'a> {
         let clip = self.clip;
         let wish = self.wish(
             &region.frames,
+            Rc::default(),
             &Outline {
                 sealed: &|f| sealed[f].clone(),
                 places: &|f| region.points(clip, f),
             },
         );
         KeyedShape {
+            motion: None,
             outline: self.outline(&wish),
             further_outlines: region.further_outlines(),
             paint: KeyedPaint::Flat(region.color),
@@ -381,9 +449,12 @@ impl<'a> Reducer<'a> {
         self.stats.shapes += 1;
         self.stats.outline_keys += outline.len();
         for f in (0..wish.is_shown.len()).filter(|f| wish.is_shown[*f]) {
-            let wanted = wish.row(f);
-            for (a, b) in outline.at(f as f64).iter().zip(wanted) {
-                let off = (a - b).abs() / f64::from(GRID);
+            let placed = wish.motion(f);
+            let point = |p: &[f64]| placed.to_picture(DVec2::new(p[0], p[1]));
+            let pairs = outline.at(f as f64);
+            let pairs = pairs.chunks_exact(2).zip(wish.row(f).chunks_exact(2));
+            for off in pairs.flat_map(|(a, b)| (point(a) - point(b)).abs().to_array()) {
+                let off = off / f64::from(GRID);
                 self.positions.add(off, 1.0);
                 self.stats.position_max_px = self.stats.position_max_px.max(off);
             }
@@ -447,8 +518,9 @@ impl<'a> Reducer<'a> {
         let places = self.clip.places(f, t);
         let keyed = outline.at(f as f64);
         let sealed = wish.row(f);
+        let placed = wish.motion(f);
         let place = |i: usize| {
-            let place = [places[i].x, places[i].y].map(|v| f64::from(v) * f64::from(GRID));
+            let place = placed.to_shape(on_grid(places[i]).into()).to_array();
             let off = |n: usize| place[n] + keyed[2 * i + n] - sealed[2 * i + n];
             [off(0), off(1)]
         };
@@ -547,6 +619,55 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn corners_of_shapes_that_follow_a_motion_are_within_the_tolerance_too() {
+        let clip = fixture::turning_cube(40);
+        let still = |values: Vec<i32>| KeyedTrack::still(values);
+        let turning = KeyedMotion {
+            translation: still(vec![2000, 2000]),
+            rotation: KeyedTrack {
+                frames: vec![0, 39],
+                values: vec![0, 4000],
+                width: 1,
+            },
+            skew: still(vec![800]),
+            scale: still(vec![12_000, 8000]),
+        };
+        let drawn = Drawn::of(&clip).unwrap();
+        let layers = Painting::single(&clip, &drawn).unwrap().layers(&drawn);
+        let options = KeyOptions::default();
+        let of_layer = vec![Some(0); layers.len()];
+        let along = |motions: &[KeyedMotion]| {
+            let follow = (motions, &of_layer[..]);
+            keyed_along(&clip, &drawn, &layers, &unsealed(&clip), follow, &options)
+        };
+        let (keyed, stats) = along(std::slice::from_ref(&turning)).unwrap();
+        assert!(stats.position_max_px <= 0.5 + 1e-6, "{stats:?}");
+        assert!(stats.color_rmse_levels <= 8.0, "{stats:?}");
+        // On the picture, by the motion.
+        for (shape, layer) in keyed.shapes.iter().zip(&layers) {
+            for f in layer.frames.iter().cloned().flatten() {
+                let at = shape.outline.at(f as f64);
+                let places = clip.places(f, layer.triangle as usize);
+                for (i, place) in places.into_iter().enumerate() {
+                    let point = DVec2::new(at[2 * i], at[2 * i + 1]);
+                    let shown = turning.at(f as f64).transform_point2(point) / f64::from(GRID);
+                    let off = (shown - place.as_dvec2()).abs().max_element();
+                    assert!(off <= 0.5 + 1e-4, "frame {f}: {off}");
+                }
+            }
+        }
+        // The file read back shows the same as without a motion.
+        let picture = |clip: &KeyedClip| {
+            let moving = AnimatedSvg::read(&smil(clip, "").unwrap()).unwrap();
+            crate::vector::raster(&moving.at(0.8).unwrap(), [255; 4]).unwrap()
+        };
+        let (plain, ..) = reduced(&clip, &options);
+        let apart = crate::compare::rmse(&picture(&keyed), &picture(&plain)).unwrap();
+        assert!(apart < 9.0, "{apart} levels");
+        assert!(along(&[]).is_err());
     }
 
     #[test]

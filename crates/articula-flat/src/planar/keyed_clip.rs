@@ -5,6 +5,7 @@
 
 use crate::planar::PlanarError;
 use crate::planar::clip::MAX_FRAMES;
+use crate::planar::keyed_motion::KeyedMotion;
 use std::ops::Range;
 
 /// Grid steps per pixel; the viewBox of an SVG is this many times its size.
@@ -43,6 +44,8 @@ pub(crate) struct KeyedClip {
     pub ramps: Vec<[u8; 3]>,
     /// Units of the lines of all gradients.
     pub lines: LineUnits,
+    /// Motions that shapes follow.
+    pub motions: Vec<KeyedMotion>,
     /// The shapes, back to front.
     pub shapes: Vec<KeyedShape>,
 }
@@ -50,6 +53,9 @@ pub(crate) struct KeyedClip {
 /// One shape. A triangle that changes its position in the painting order has several.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct KeyedShape {
+    /// Index into [`KeyedClip::motions`] of the motion that moves outline and gradient; `None` if they
+    /// are on the picture.
+    pub motion: Option<u32>,
     /// Points of its closed outlines as x, y, x, y, …; grid steps.
     pub outline: KeyedTrack,
     /// Index of the first point of each further closed outline (merged shapes have holes and
@@ -119,7 +125,18 @@ impl KeyedClip {
                 self.fps
             ));
         }
+        for (m, motion) in self.motions.iter().enumerate() {
+            if let Err(what) = motion.check(self.frames) {
+                return mismatch(format!("motion {m}: {what}"));
+            }
+        }
         for (s, shape) in self.shapes.iter().enumerate() {
+            if shape
+                .motion
+                .is_some_and(|m| m as usize >= self.motions.len())
+            {
+                return mismatch(format!("shape {s}: its motion is out of range"));
+            }
             if let Err(what) = shape.check(self.frames, self.ramps.len()) {
                 return mismatch(format!("shape {s}: {what}"));
             }
@@ -129,7 +146,7 @@ impl KeyedClip {
 }
 
 impl KeyedTrack {
-    fn check(&self, frames: u32) -> Result<(), &'static str> {
+    pub(crate) fn check(&self, frames: u32) -> Result<(), &'static str> {
         if self.is_empty() || self.values.len() != self.width * self.len() {
             return Err("every key needs a full row of values");
         }
@@ -273,6 +290,7 @@ mod tests {
     #[test]
     fn a_frame_is_shown_half_a_frame_to_both_sides() {
         let shape = KeyedShape {
+            motion: None,
             outline: KeyedTrack::still(vec![0; 6]),
             further_outlines: vec![],
             paint: KeyedPaint::Flat([0; 3]),

@@ -73,7 +73,9 @@ mod tests {
             frames: 1,
             lines: LineUnits::Grid,
             ramps: vec![],
+            motions: vec![],
             shapes: vec![KeyedShape {
+                motion: None,
                 outline: KeyedTrack::still(vec![x, 0, x + 8, 0, x, 8]),
                 further_outlines: vec![],
                 paint: KeyedPaint::Flat([255, 0, 0]),

@@ -13,6 +13,7 @@ mod players;
 
 use crate::planar::PlanarError;
 use crate::planar::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
+use crate::planar::keyed_motion::{ANGLE, KeyedMotion, SCALE, TRANSLATION};
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -48,13 +49,45 @@ pub(crate) fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError
     );
     push_transform(&mut text, 100.0 / f64::from(GRID), r#"{"a":0,"k":100}"#);
     text.push_str(r#"},"shapes":["#);
+    let shown: Vec<&KeyedShape> = clip.shapes.iter().filter(|s| !s.shown.is_empty()).collect();
     // The first group is on top.
-    let shown = clip.shapes.iter().rev().filter(|s| !s.shown.is_empty());
-    push_list(&mut text, shown, |text, shape| {
-        push_shape(text, clip, shape);
-    });
+    let runs = shown.chunk_by(|a, b| a.motion == b.motion).rev();
+    push_list(&mut text, runs, |text, run| push_run(text, clip, run));
     text.push_str("]}]}");
     Ok(text)
+}
+
+/// Shapes that follow one motion, in a group, or that follow none.
+fn push_run(text: &mut String, clip: &KeyedClip, run: &[&KeyedShape]) {
+    let motion = run.first().and_then(|shape| shape.motion);
+    if motion.is_some() {
+        text.push_str(r#"{"ty":"gr","it":["#);
+    }
+    push_list(text, run.iter().rev(), |text, shape| {
+        push_shape(text, clip, shape)
+    });
+    if let Some(motion) = motion {
+        text.push_str(r#",{"ty":"tr","#);
+        push_motion(text, &clip.motions[motion as usize]);
+        text.push_str("}]}");
+    }
+}
+
+/// Members of a transform that moves, without braces. A positive skew leans the other way than that of a
+/// motion.
+fn push_motion(text: &mut String, motion: &KeyedMotion) {
+    let parts = [
+        ("p", &motion.translation, TRANSLATION),
+        ("r", &motion.rotation, ANGLE),
+        ("sk", &motion.skew, -ANGLE),
+        ("s", &motion.scale, SCALE / 100.0),
+    ];
+    for (name, track, unit) in parts {
+        let _ = write!(text, r#""{name}":"#);
+        push_track(text, track, 0..track.width, Form::Numbers(unit));
+        text.push(',');
+    }
+    text.push_str(r#""a":{"a":0,"k":[0,0]},"o":{"a":0,"k":100},"sa":{"a":0,"k":0}"#);
 }
 
 /// Frame that ends a clip.
@@ -147,6 +180,8 @@ enum Form {
     Outline,
     /// x, y.
     Point,
+    /// Numbers in a fraction of their unit.
+    Numbers(f64),
 }
 
 /// Writes a property: a range of the numbers of each key of a track.
@@ -154,7 +189,12 @@ fn push_track(text: &mut String, track: &KeyedTrack, part: Range<usize>, form: F
     let of = |key: usize| &track.key(key)[part.clone()];
     if (1..track.len()).all(|key| of(key) == of(0)) {
         text.push_str(r#"{"a":0,"k":"#);
-        push_value(text, of(0), form);
+        match (form, of(0)) {
+            (Form::Numbers(unit), [only]) => {
+                let _ = write!(text, "{}", f64::from(*only) / unit);
+            }
+            (_, values) => push_value(text, values, form),
+        }
         text.push('}');
         return;
     }
@@ -168,7 +208,7 @@ fn push_track(text: &mut String, track: &KeyedTrack, part: Range<usize>, form: F
                 push_value(text, of(key), form);
                 text.push(']');
             }
-            Form::Point => push_value(text, of(key), form),
+            Form::Point | Form::Numbers(_) => push_value(text, of(key), form),
         }
         if key + 1 < track.len() {
             text.push_str(r#","i":{"x":1,"y":1},"o":{"x":0,"y":0}"#);
@@ -182,6 +222,13 @@ fn push_value(text: &mut String, numbers: &[i32], form: Form) {
     match form {
         Form::Point => {
             let _ = write!(text, "[{},{}]", numbers[0], numbers[1]);
+        }
+        Form::Numbers(unit) => {
+            text.push('[');
+            push_list(text, numbers, |text, number| {
+                let _ = write!(text, "{}", f64::from(*number) / unit);
+            });
+            text.push(']');
         }
         Form::Outline => {
             let points = numbers.chunks_exact(2);
@@ -256,12 +303,14 @@ mod tests {
             frames: 5,
             lines: LineUnits::Grid,
             ramps: vec![[255, 51, 1]],
+            motions: vec![],
             shapes,
         }
     }
 
     fn shape(outline: KeyedTrack, paint: KeyedPaint) -> KeyedShape {
         KeyedShape {
+            motion: None,
             outline,
             further_outlines: vec![],
             paint,

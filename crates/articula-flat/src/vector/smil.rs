@@ -19,6 +19,7 @@ use crate::planar::PlanarError;
 use crate::planar::keyed_clip::{
     BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits,
 };
+use crate::planar::keyed_motion::{ANGLE, KeyedMotion, SCALE, TRANSLATION};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -35,15 +36,30 @@ const MAX_TURNED_POINTS: usize = 16;
 pub(crate) fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     let mut writer = SvgWriter::new(clip, name);
-    for shape in &clip.shapes {
-        writer.shape(shape);
+    let same = |a: &KeyedShape, b: &KeyedShape| a.motion == b.motion;
+    for run in clip.shapes.chunk_by(same) {
+        let motion = run[0].motion.map(|m| &clip.motions[m as usize]);
+        if let Some(motion) = motion {
+            writer.begin_motion(motion);
+        }
+        for shape in run {
+            writer.shape(shape);
+        }
+        if motion.is_some() {
+            writer.end_group();
+        }
     }
     Ok(writer.finish())
 }
 
 /// Writes an SVG file, shape by shape.
 pub(super) struct SvgWriter<'a> {
+    /// The file so far, without the gradients of shapes.
     out: String,
+    /// Length of the text before the gradients of shapes.
+    head: usize,
+    /// Gradients of shapes that do not move, and those that do: equal things beside each other are packed best.
+    gradients: [String; 2],
     clock: Clock,
     /// Gradients already written, by ramp and line, or stops and line.
     known: BTreeMap<GradientKey<'a>, u32>,
@@ -87,7 +103,9 @@ impl<'a> SvgWriter<'a> {
             out.push_str(r#""/></linearGradient>"#);
         }
         Self {
+            head: out.len(),
             out,
+            gradients: Default::default(),
             clock: Clock::new(clip.frames, clip.fps),
             known: BTreeMap::new(),
             lines: clip.lines,
@@ -98,6 +116,7 @@ impl<'a> SvgWriter<'a> {
     /// Ends the file.
     pub(super) fn finish(mut self) -> String {
         self.out.push_str("</svg>");
+        self.out.insert_str(self.head, &self.gradients.concat());
         self.out
     }
 
@@ -105,6 +124,31 @@ impl<'a> SvgWriter<'a> {
     pub(super) fn begin_group(&mut self, attributes: &str, shown: &[Range<u32>]) {
         let display = self.display(shown);
         let _ = write!(self.out, "<g{attributes}>{display}");
+    }
+
+    /// Begins a group that follows a motion.
+    fn begin_motion(&mut self, motion: &KeyedMotion) {
+        let parts = transforms(motion);
+        self.out.push_str(r#"<g transform=""#);
+        for (kind, track, unit) in &parts {
+            let first = fixed_numbers(track.key(0), *unit);
+            let _ = write!(self.out, "{kind}({first})");
+        }
+        self.out.push_str(r#"">"#);
+        for (i, (kind, track, unit)) in parts.iter().enumerate() {
+            let key = |k: usize| (2 * track.frames[k], fixed_numbers(track.key(k), *unit));
+            let mut keys: Vec<(u32, String)> = (0..track.len()).map(key).collect();
+            if track.is_still() {
+                keys.push((self.clock.end(), keys[0].1.clone()));
+            }
+            // The first replaces the attribute, the others are applied before it.
+            let sum = if i > 0 { r#" additive="sum""# } else { "" };
+            let begin = format!(
+                r#"<animateTransform attributeName="transform" type="{kind}"{sum}{}"#,
+                self.timing()
+            );
+            self.out += &self.values(begin, &keys);
+        }
     }
 
     /// Ends a group.
@@ -229,7 +273,12 @@ impl<'a> SvgWriter<'a> {
 
     /// One linear animation.
     fn animate(&self, attribute: &str, keys: &[(u32, String)]) -> String {
-        let mut out = self.begin(attribute);
+        self.values(self.begin(attribute), keys)
+    }
+
+    /// Adds the keys to the beginning of a linear animation, and ends it.
+    fn values(&self, begin: String, keys: &[(u32, String)]) -> String {
+        let mut out = begin;
         out.push_str(r#" values=""#);
         for (k, (_, value)) in keys.iter().enumerate() {
             out.push_str(if k > 0 { ";" } else { "" });
@@ -252,10 +301,11 @@ impl<'a> SvgWriter<'a> {
     }
 
     fn begin(&self, attribute: &str) -> String {
-        format!(
-            r#"<animate attributeName="{attribute}" dur="{}" repeatCount="indefinite""#,
-            self.clock.dur()
-        )
+        format!(r#"<animate attributeName="{attribute}"{}"#, self.timing())
+    }
+
+    fn timing(&self) -> String {
+        format!(r#" dur="{}" repeatCount="indefinite""#, self.clock.dur())
     }
 
     /// Animation that shows something in spans of half frames only.
@@ -299,14 +349,14 @@ impl<'a> SvgWriter<'a> {
         let id = self.next_id;
         self.next_id += 1;
         self.known.insert(key, id);
-        let _ = write!(self.out, r#"<linearGradient id="{}""#, id_of(id));
+        let mut out = format!(r#"<linearGradient id="{}""#, id_of(id));
         let stops = match colors {
             Colors::Ramp(ramp) => {
-                let _ = write!(self.out, r##" href="#{}""##, id_of(ramp));
+                let _ = write!(out, r##" href="#{}""##, id_of(ramp));
                 String::new()
             }
             Colors::Own([from, to]) => {
-                self.out.push_str(units_of(self.lines));
+                out.push_str(units_of(self.lines));
                 let mut stops = String::from(r#"<stop stop-color=""#);
                 push_color(&mut stops, from);
                 stops.push_str(r#""/><stop offset="1" stop-color=""#);
@@ -315,12 +365,14 @@ impl<'a> SvgWriter<'a> {
                 stops
             }
         };
-        let animates = self.line(line, is_shown_first);
+        let (first, animates) = self.line(line, is_shown_first);
+        out.push_str(&first);
         if stops.is_empty() && animates.is_empty() {
-            self.out.push_str("/>");
+            out.push_str("/>");
         } else {
-            let _ = write!(self.out, ">{stops}{animates}</linearGradient>");
+            let _ = write!(out, ">{stops}{animates}</linearGradient>");
         }
+        self.gradients[usize::from(!animates.is_empty())] += &out;
         Some(id)
     }
 
@@ -337,9 +389,9 @@ impl<'a> SvgWriter<'a> {
         (self.lines == LineUnits::Box).then_some(BOX)
     }
 
-    /// Writes a gradient's line as attributes; returns its animations.
-    fn line(&mut self, line: &KeyedTrack, is_shown_first: bool) -> String {
-        let mut animates = String::new();
+    /// A gradient's line as attributes, and its animations.
+    fn line(&self, line: &KeyedTrack, is_shown_first: bool) -> (String, String) {
+        let (mut told, mut animates) = (String::new(), String::new());
         for (i, name) in ["x1", "y1", "x2", "y2"].into_iter().enumerate() {
             let keys = needed_keys(line, i);
             // x1, y1 and y2 default to 0, x2 to the whole width.
@@ -347,7 +399,7 @@ impl<'a> SvgWriter<'a> {
             let usual = if i == 2 { self.whole() } else { Some(0) };
             let is_told = Some(first) != usual && (is_shown_first || keys.len() == 1);
             if is_told {
-                let _ = write!(self.out, r#" {name}="{}""#, self.number(first));
+                let _ = write!(told, r#" {name}="{}""#, self.number(first));
             }
             if keys.len() > 1 {
                 let text = |k: &usize| (2 * line.frames[*k], self.number(line.key(*k)[i]));
@@ -355,7 +407,7 @@ impl<'a> SvgWriter<'a> {
                 animates += &self.animate(name, &keys);
             }
         }
-        animates
+        (told, animates)
     }
 }
 
@@ -397,13 +449,47 @@ fn units_of(lines: LineUnits) -> &'static str {
 
 /// Thousandths as the shortest decimal number.
 fn decimal(thousandths: i32) -> String {
-    let text = format!("{:.3}", f64::from(thousandths.abs()) / f64::from(BOX));
+    fixed(thousandths, f64::from(BOX))
+}
+
+/// A number in units of a power of ten, as the shortest decimal number.
+fn fixed(value: i32, unit: f64) -> String {
+    let digits = unit.log10().round() as usize;
+    let text = format!("{:.digits$}", f64::from(value.abs()) / unit);
     let text = text.trim_end_matches('0').trim_end_matches('.');
     let text = text
         .strip_prefix("0.")
         .map_or(text.to_owned(), |rest| format!(".{rest}"));
-    let sign = if thousandths < 0 { "-" } else { "" };
+    let sign = if value < 0 { "-" } else { "" };
     format!("{sign}{text}")
+}
+
+fn fixed_numbers(values: &[i32], unit: f64) -> String {
+    let texts: Vec<String> = values.iter().map(|v| fixed(*v, unit)).collect();
+    let mut out = texts[0].clone();
+    for text in &texts[1..] {
+        out.push_str(if text.starts_with('-') { "" } else { " " });
+        out.push_str(text);
+    }
+    out
+}
+
+/// Parts of a motion in the sequence of a list of transforms: name, numbers, units of 1. Rotation, skew and
+/// scale are left out where they change nothing.
+fn transforms(motion: &KeyedMotion) -> Vec<(&'static str, &KeyedTrack, f64)> {
+    let [translation, rotation, skew, scale] = motion.tracks();
+    let parts = [
+        ("rotate", rotation, ANGLE, 0),
+        ("skewX", skew, ANGLE, 0),
+        ("scale", scale, SCALE, SCALE as i32),
+    ];
+    let changes = |track: &KeyedTrack, usual: i32| track.values.iter().any(|v| *v != usual);
+    let parts = parts
+        .into_iter()
+        .filter(|(_, track, _, usual)| changes(track, *usual));
+    std::iter::once(("translate", translation, TRANSLATION))
+        .chain(parts.map(|(kind, track, unit, _)| (kind, track, unit)))
+        .collect()
 }
 
 /// Path data of outlines.
@@ -468,12 +554,64 @@ mod tests {
             frames,
             lines: LineUnits::Grid,
             ramps: vec![[255, 0, 0]],
+            motions: vec![],
             shapes,
         }
     }
 
+    #[test]
+    fn shapes_of_one_motion_are_in_one_group() {
+        let outline = KeyedTrack::still(vec![0, 0, 8, 0, 0, 8]);
+        let follows = |motion| KeyedShape {
+            motion,
+            ..triangle(outline.clone(), 5)
+        };
+        let motion = KeyedMotion {
+            translation: KeyedTrack {
+                frames: vec![0, 2, 4],
+                values: vec![105, -20, 0, 0, -7, 300],
+                width: 2,
+            },
+            rotation: KeyedTrack::still(vec![-4550]),
+            skew: KeyedTrack::still(vec![0]),
+            scale: KeyedTrack {
+                frames: vec![0, 1, 4],
+                values: vec![10_000, 9500, 12_000, 10_000, 10_000, 10_000],
+                width: 2,
+            },
+        };
+        let mut clip = clip(5, [None, Some(0), Some(0), None].map(follows).to_vec());
+        clip.motions.push(motion.clone());
+        let text = smil(&clip, "").unwrap();
+        assert_eq!(text.matches("<g ").count(), 1);
+        let group = concat!(
+            r#"<g transform="translate(10.5-2)rotate(-45.5)scale(1 .95)">"#,
+            r#"<animateTransform attributeName="transform" type="translate" dur="0.16" "#,
+            r#"repeatCount="indefinite" values="10.5-2;0 0;-.7 30"/>"#,
+            r#"<animateTransform attributeName="transform" type="rotate" additive="sum" dur="0.16" "#,
+            r#"repeatCount="indefinite" values="-45.5;-45.5"/>"#,
+            r#"<animateTransform attributeName="transform" type="scale" additive="sum" dur="0.16" "#,
+            r#"repeatCount="indefinite" values="1 .95;1.2 1;1 1" keyTimes="0;.25;1"/><path"#,
+        );
+        assert!(text.contains(group), "{text}");
+        // The reader composes them in that sequence, between keys too.
+        let still = AnimatedSvg::read(&text).unwrap().at(0.06).unwrap();
+        let transform = still.split(r#"transform=""#).nth(1).unwrap();
+        assert!(
+            transform.starts_with(r#"translate(2.625-0.5)rotate(-45.5)scale(1.1667 1)""#),
+            "{transform}"
+        );
+        let wrong = KeyedShape {
+            motion: Some(1),
+            ..follows(None)
+        };
+        clip.shapes.push(wrong);
+        assert!(smil(&clip, "").is_err());
+    }
+
     fn triangle(outline: KeyedTrack, frames: u32) -> KeyedShape {
         KeyedShape {
+            motion: None,
             outline,
             further_outlines: vec![],
             paint: KeyedPaint::Flat([0x11, 0x22, 0x33]),

@@ -46,6 +46,10 @@ struct Element {
 #[derive(Debug, Clone, PartialEq)]
 struct Animation {
     attribute: &'static str,
+    /// Type of a transform; `None` for other attributes.
+    transform: Option<&'static str>,
+    /// Whether it is applied before those of the animations that precede it, instead of in their place.
+    is_added: bool,
     duration_secs: f64,
     is_discrete: bool,
     /// Key times, 0 to 1.
@@ -65,7 +69,7 @@ enum Values {
 /// Placeholder of a number in a pattern.
 const NUMBER: u8 = b'#';
 
-const TAGS: [&str; 7] = [
+const TAGS: [&str; 8] = [
     "svg",
     "title",
     "g",
@@ -73,9 +77,10 @@ const TAGS: [&str; 7] = [
     "linearGradient",
     "stop",
     "animate",
+    "animateTransform",
 ];
 
-const ATTRIBUTES: [&str; 16] = [
+const ATTRIBUTES: [&str; 17] = [
     "width",
     "height",
     "viewBox",
@@ -92,7 +97,11 @@ const ATTRIBUTES: [&str; 16] = [
     "d",
     "display",
     "shape-rendering",
+    "transform",
 ];
+
+/// Types of animated transforms.
+const TRANSFORMS: [&str; 4] = ["translate", "rotate", "skewX", "scale"];
 
 impl AnimatedSvg {
     /// Parses the text of an animated SVG.
@@ -213,7 +222,7 @@ impl AnimatedSvg {
                 shortened(found.name())
             )));
         };
-        if tag == "animate" {
+        if tag.starts_with("animate") {
             // Already read with its parent.
             return Ok(None);
         }
@@ -237,7 +246,8 @@ impl AnimatedSvg {
     }
     fn animations(&mut self, node: Node<'_, '_>) -> Result<Vec<Animation>, PictureError> {
         let mut animations = Vec::new();
-        let is_animate = |n: &Node<'_, '_>| n.is_element() && n.tag_name().name() == "animate";
+        let is_animate =
+            |n: &Node<'_, '_>| n.is_element() && n.tag_name().name().starts_with("animate");
         for child in node.children().filter(is_animate) {
             let animation = Animation::read(child)?;
             self.duration_secs = self.duration_secs.max(animation.duration_secs);
@@ -265,11 +275,16 @@ impl Element {
             attribute(out, name, value);
         }
         for (a, animation) in self.animations.iter().enumerate() {
-            // The last animation of an attribute wins.
-            let later = &self.animations[a + 1..];
-            if later.iter().all(|l| l.attribute != animation.attribute) {
-                attribute(out, animation.attribute, &animation.at(secs));
+            // The last animation of an attribute wins, with what is added to it.
+            let mut later = self.animations[a + 1..]
+                .iter()
+                .filter(|l| l.attribute == animation.attribute);
+            if animation.is_added || later.clone().any(|l| !l.is_added) {
+                continue;
             }
+            let first = animation.at(secs);
+            let value = later.by_ref().fold(first, |value, l| value + &l.at(secs));
+            attribute(out, animation.attribute, &value);
         }
     }
 }
@@ -278,6 +293,8 @@ impl Animation {
     fn read(node: Node<'_, '_>) -> Result<Self, PictureError> {
         let (mut name, mut dur, mut repeat, mut mode) = ("", "", "", "linear");
         let (mut values, mut times) = ("", None);
+        let (mut kind, mut additive) = (None, "replace");
+        let is_transform = node.tag_name().name() == "animateTransform";
         for attribute in node.attributes() {
             let value = attribute.value();
             match attribute.name() {
@@ -287,6 +304,8 @@ impl Animation {
                 "calcMode" => mode = value,
                 "values" => values = value,
                 "keyTimes" => times = Some(value),
+                "type" if is_transform => kind = TRANSFORMS.into_iter().find(|k| *k == value),
+                "additive" if is_transform => additive = value,
                 other => {
                     return Err(unsupported(format!(
                         "the attribute {} of <animate>",
@@ -295,8 +314,20 @@ impl Animation {
                 }
             }
         }
-        let known = ["d", "display", "x1", "y1", "x2", "y2"];
-        let Some(attribute) = known.into_iter().find(|k| *k == name) else {
+        let known: &[&'static str] = if is_transform {
+            &["transform"]
+        } else {
+            &["d", "display", "x1", "y1", "x2", "y2"]
+        };
+        if is_transform && kind.is_none() {
+            return Err(unsupported("a transform of another type".to_owned()));
+        }
+        let is_added = match additive {
+            "sum" => true,
+            "replace" => false,
+            other => return Err(unsupported(format!("additive {:?}", shortened(other)))),
+        };
+        let Some(attribute) = known.iter().copied().find(|k| *k == name) else {
             return Err(unsupported(format!("animation of {:?}", shortened(name))));
         };
         if repeat != "indefinite" {
@@ -305,7 +336,7 @@ impl Animation {
             ));
         }
         let is_discrete = match mode {
-            "discrete" => true,
+            "discrete" if !is_transform => true,
             "linear" if attribute != "display" => false,
             _ => return Err(unsupported(format!("calcMode {mode:?} on {attribute}"))),
         };
@@ -317,6 +348,8 @@ impl Animation {
         let times = key_times(times, values.keys(), is_discrete)?;
         Ok(Self {
             attribute,
+            transform: kind,
+            is_added,
             duration_secs,
             is_discrete,
             times,
@@ -324,7 +357,16 @@ impl Animation {
         })
     }
 
+    /// Value of the attribute, or of its part.
     fn at(&self, secs: f64) -> String {
+        let value = self.value(secs);
+        match self.transform {
+            Some(kind) => format!("{kind}({value})"),
+            None => value,
+        }
+    }
+
+    fn value(&self, secs: f64) -> String {
         let share = secs % self.duration_secs / self.duration_secs;
         // Of several keys at the same time the last one applies.
         let after = self.times.partition_point(|t| *t <= share);
@@ -377,6 +419,8 @@ impl Values {
         for value in text.split(';') {
             let pattern = if attribute == "d" {
                 path_numbers(value, &mut rows)
+            } else if attribute == "transform" {
+                list_numbers(value, &mut rows)
             } else {
                 number(value.trim()).map(|v| {
                     rows.push(v);
@@ -474,6 +518,23 @@ fn path_numbers(text: &str, numbers: &mut Vec<f64>) -> Option<Vec<u8>> {
     is_whole.then_some(pattern)
 }
 
+/// Splits a list of one or two numbers; `None` for other texts.
+fn list_numbers(text: &str, numbers: &mut Vec<f64>) -> Option<Vec<u8>> {
+    let bytes = text.as_bytes();
+    let (mut pattern, mut at) = (Vec::new(), 0);
+    while at < bytes.len() {
+        if bytes[at] == b' ' {
+            at += 1;
+            continue;
+        }
+        let end = number_end(bytes, at);
+        numbers.push(number(text.get(at..end)?)?);
+        pattern.push(NUMBER);
+        at = end;
+    }
+    (1..=2).contains(&pattern.len()).then_some(pattern)
+}
+
 fn needs_numbers(pattern: &[u8]) -> bool {
     matches!(pattern.last(), Some(b'm' | b'l'))
 }
@@ -531,6 +592,24 @@ mod tests {
         file(&format!(
             r#"<path d="m1 1 2 2 3 0"><animate attributeName="d" dur="2s" repeatCount="indefinite" {rest}/></path>"#
         ))
+    }
+
+    fn moved(rest: &str) -> String {
+        file(&format!(
+            r#"<g transform="scale(9)"><animateTransform attributeName="transform" dur="2s" repeatCount="indefinite" {rest}/></g>"#
+        ))
+    }
+
+    #[test]
+    fn transforms_are_added_in_sequence() {
+        let second = r#"<animateTransform attributeName="transform" type="rotate" additive="sum" dur="2" repeatCount="indefinite" values="90;0"/>"#;
+        let text =
+            moved(r#"type="translate" values="0 0;8-4""#).replace("</g>", &format!("{second}</g>"));
+        let svg = AnimatedSvg::read(&text).unwrap();
+        assert_eq!(
+            svg.at(0.5).unwrap(),
+            file(r#"<g transform="translate(2-1)rotate(67.5)"/>"#)
+        );
     }
 
     #[test]
@@ -620,6 +699,19 @@ mod tests {
             ),
             (&animate(r#"values="m0 0" begin="1s""#), "begin"),
             (&animate(r#"values="m0 0" calcMode="spline""#), "spline"),
+            (&animate(r#"values="m0 0" additive="sum""#), "additive"),
+            (&moved(r#"type="matrix" values="1""#), "another type"),
+            (&moved(r#"values="1""#), "another type"),
+            (&moved(r#"type="rotate" values="1 2 3""#), "values"),
+            (&moved(r#"type="scale" values="1;1 2""#), "different"),
+            (
+                &moved(r#"type="scale" values="1;2" additive="much""#),
+                "additive",
+            ),
+            (
+                &moved(r#"type="scale" values="1;2" calcMode="discrete""#),
+                "discrete",
+            ),
         ];
         for (text, word) in bad {
             let error = AnimatedSvg::read(text).unwrap_err().to_string();

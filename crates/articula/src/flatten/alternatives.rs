@@ -25,18 +25,13 @@ pub fn alternative_meshes(rig: &Rig, mesh: &Mesh) -> Vec<AlternativeMeshes> {
     let mut held: BTreeMap<usize, Vec<(usize, String, Bounds)>> = BTreeMap::new();
     let meshes = mesh.parts.iter().map(|p| p.mesh).max().map_or(0, |m| m + 1);
     for index in 0..meshes {
-        let parts = || mesh.parts.iter().filter(|p| p.mesh == index);
-        let vertices = || parts().flat_map(|p| p.vertices.clone());
-        let joints = vertices().flat_map(|v| mesh.influences_of(v));
-        let mut joints = joints.map(|(joint, _)| joint);
-        let (Some(joint), Some(part)) = (joints.next(), parts().next()) else {
+        let Some(Held { joint, slot }) = held_by(rig, mesh, index) else {
             continue;
         };
-        let slot = slot_of(rig, joint);
-        let is_held = rig.articulation().joints[slot].hanim.is_none();
-        if !is_held || joints.any(|other| other != joint) {
+        let vertices = || vertices_of(mesh, index);
+        let Some(part) = mesh.parts.iter().find(|p| p.mesh == index) else {
             continue;
-        }
+        };
         // In model space, at rest.
         let place = |v: usize| {
             let binding = usize::from(mesh.binding_indices[v * mesh.influences]);
@@ -65,6 +60,36 @@ pub fn alternative_meshes(rig: &Rig, mesh: &Mesh) -> Vec<AlternativeMeshes> {
         }
     }
     found
+}
+
+/// Where a mesh hangs.
+struct Held {
+    /// The joint of all its vertices.
+    joint: usize,
+    /// The joint of the skeleton that moves it.
+    slot: usize,
+}
+
+/// Where a mesh hangs that is wholly on one joint which is no part of a body; `None` for others.
+fn held_by(rig: &Rig, mesh: &Mesh, index: usize) -> Option<Held> {
+    let joints = vertices_of(mesh, index).flat_map(|v| mesh.influences_of(v));
+    let mut joints = joints.map(|(joint, _)| joint);
+    let joint = joints.next()?;
+    let slot = slot_of(rig, joint);
+    let is_held = rig.articulation().joints[slot].hanim.is_none();
+    (is_held && joints.all(|other| other == joint)).then_some(Held { joint, slot })
+}
+
+fn vertices_of(mesh: &Mesh, index: usize) -> impl Iterator<Item = usize> {
+    let parts = mesh.parts.iter().filter(move |p| p.mesh == index);
+    parts.flat_map(|p| p.vertices.clone())
+}
+
+/// Vertices of all meshes that hang on a joint which is no part of a body, such as a slot for weapons.
+pub(super) fn held_vertices(rig: &Rig, mesh: &Mesh) -> Vec<usize> {
+    let meshes = mesh.parts.iter().map(|p| p.mesh).max().map_or(0, |m| m + 1);
+    let held = (0..meshes).filter(|index| held_by(rig, mesh, *index).is_some());
+    held.flat_map(|index| vertices_of(mesh, index)).collect()
 }
 
 /// The joint of the skeleton that moves a joint: the node of a mesh that hangs on it is a joint of its own.
@@ -156,6 +181,8 @@ mod tests {
             meshes: ["shield", "large shield"].map(str::to_owned).to_vec(),
         };
         assert_eq!(found, [shields]);
+        // The shields and the torch, of four vertices each.
+        assert_eq!(held_vertices(&rig(), &mesh), (0..12).collect::<Vec<_>>());
         assert_eq!(alternative_meshes(&rig(), &Mesh::default()), []);
     }
 }

@@ -1,4 +1,4 @@
-//! The small features of a face: eyes, brows, lips, paint. They are a few thousandths of the surface, so that
+//! The small features of a figure: eyes, brows, lips, paint, emblems. They are a few thousandths of the surface, so that
 //! simplification by distance alone removes them first, and they are what a viewer looks at.
 
 use articula_flat::flatten::JudgedRegion;
@@ -12,21 +12,32 @@ const CONTRAST: [f32; 2] = [6.0, 24.0];
 /// Factor on the weight of an error at a feature.
 const FACTOR: f32 = 16.0;
 
-/// Factors on the weight of an error at each vertex of the face, 1 or more, by its contrast with the
-/// surroundings in those triangles that are `seen`; 1 elsewhere.
+/// The same elsewhere: emblems, belts and other paint, which show less than a face.
+const FACTOR_ELSEWHERE: f32 = 2.0;
+
+/// Factors on the weight of an error at each vertex, 1 or more, by its contrast with the surroundings in
+/// those triangles that are `seen`, on the face and elsewhere.
 pub(super) fn features(
     whole: &PlanarSubject<'_>,
     seen: &[bool],
     regions: &[JudgedRegion],
 ) -> Vec<f32> {
-    let mut factors = vec![1.0; regions.len()];
-    let of_face = |v: &u32| regions[*v as usize] == JudgedRegion::Face;
-    let shown = whole.triangles.iter().zip(seen);
-    let face: Vec<[u32; 3]> = shown
-        .filter(|(t, seen)| **seen && t.iter().all(of_face))
+    let is_face = |v: &u32| regions[*v as usize] == JudgedRegion::Face;
+    let shown = || whole.triangles.iter().zip(seen).filter(|(_, seen)| **seen);
+    let (face, rest): (Vec<[u32; 3]>, Vec<_>) = shown()
         .map(|(t, _)| *t)
-        .collect();
-    let heights = face
+        .partition(|t| t.iter().all(is_face));
+    let of_face = contrasts(whole, &face, FACTOR);
+    let mut factors = contrasts(whole, &rest, FACTOR_ELSEWHERE);
+    for (factor, face) in factors.iter_mut().zip(of_face) {
+        *factor = factor.max(face);
+    }
+    factors
+}
+
+/// Factors up to `most` by the contrast among some triangles; 1 for vertices of others.
+fn contrasts(whole: &PlanarSubject<'_>, triangles: &[[u32; 3]], most: f32) -> Vec<f32> {
+    let heights = triangles
         .as_flattened()
         .iter()
         .map(|v| whole.mesh.positions[*v as usize].y);
@@ -34,17 +45,16 @@ pub(super) fn features(
         [low.min(y), high.max(y)]
     });
     if low >= high {
-        return factors;
+        return vec![1.0; whole.mesh.len()];
     }
     let subject = PlanarSubject {
-        triangles: &face,
+        triangles,
         ..*whole
     };
     let contrast = color_contrast(&subject, RADIUS * (high - low));
-    let (least, most) = (CONTRAST[0], CONTRAST[1]);
-    for (factor, contrast) in factors.iter_mut().zip(contrast) {
-        let share = ((contrast - least) / (most - least)).clamp(0.0, 1.0);
-        *factor = 1.0 + (FACTOR - 1.0) * share;
-    }
-    factors
+    let factor = |contrast: f32| {
+        let share = (contrast - CONTRAST[0]) / (CONTRAST[1] - CONTRAST[0]);
+        1.0 + (most - 1.0) * share.clamp(0.0, 1.0)
+    };
+    contrast.into_iter().map(factor).collect()
 }

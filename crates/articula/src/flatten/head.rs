@@ -1,5 +1,6 @@
 //! The head of a character with a camera, as source of a portrait.
 
+use super::alternatives::held_vertices;
 use super::expressions::expressions;
 use super::eyes::Eyes;
 use super::inputs::inputs;
@@ -140,7 +141,7 @@ impl<'a> FramedHead<'a> {
 }
 
 /// Region of each vertex: the face is what the head's last joint moves or, in a file without one,
-/// what morph targets move; hands are what joints below the wrists move.
+/// what morph targets move; hands are what joints below the wrists move and is not held.
 pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
     let asset = &figure.asset;
     let mut regions = vec![JudgedRegion::Body; asset.mesh.len()];
@@ -155,6 +156,10 @@ pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
         if of_hands > OF_HANDS {
             *region = JudgedRegion::Hands;
         }
+    }
+    // A shield is no hand.
+    for v in held_vertices(&asset.rig, &asset.mesh) {
+        regions[v] = JudgedRegion::Body;
     }
     let head = head_joints(figure);
     if head.is_empty() {
@@ -173,7 +178,7 @@ pub(super) fn judged_regions(figure: &Figure) -> Vec<JudgedRegion> {
     regions
 }
 
-/// Weight of the error at each vertex; `features` are the factors on the face.
+/// Weight of the error at each vertex; `features` are the factors of each.
 pub(super) fn vertex_weights(
     regions: &[JudgedRegion],
     features: &[f32],
@@ -181,8 +186,8 @@ pub(super) fn vertex_weights(
 ) -> Vec<f32> {
     let of = |(region, feature): (&JudgedRegion, &f32)| match region {
         JudgedRegion::Face => weights.face * feature,
-        JudgedRegion::Hands => weights.hands,
-        JudgedRegion::Body => 1.0,
+        JudgedRegion::Hands => weights.hands * feature,
+        JudgedRegion::Body => *feature,
     };
     regions.iter().zip(features).map(of).collect()
 }

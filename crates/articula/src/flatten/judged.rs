@@ -14,7 +14,7 @@ pub const REST_DELTA_E: f64 = 36.0;
 /// counts as dropped, units of CIELAB.
 pub const DETAIL_DELTA_E: f64 = 15.0;
 /// Triangle counts, as multiples of the least.
-pub(super) const COUNTS: [f64; 5] = [1.0, 1.5, 2.0, 3.0, 4.0];
+pub(super) const COUNTS: [f64; 8] = [1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0];
 /// Least weight of errors on the face.
 const FACE_WEIGHT: f32 = 3.0;
 /// Factor by which the weight of a region is raised.

@@ -144,8 +144,8 @@ pub(crate) struct QualityArgs {
     /// [default: 4194304]
     #[arg(long, value_name = "B")]
     pub(crate) max_bytes: Option<u64>,
-    /// Accuracy: position-px=PX, the error of a corner [default: 0.35; player 0.1]; colour=LEVELS, the
-    /// error of a colour in levels of 0 to 255 [default: 6; player 1]; merge=LEVELS, by which the colours
+    /// Accuracy: position-px=PX, the error of a corner [default: 0.5; player 0.1]; colour=LEVELS, the
+    /// error of a colour in levels of 0 to 255 [default: 8; player 1]; merge=LEVELS, by which the colours
     /// of neighbouring triangles differ that are joined (flat shading); order-percent=PERCENT of the
     /// character's pixels that one painting order may paint wrongly above the minimum [default: 0.3];
     /// split=off, not to cut triangles that pierce each other, which no painting order shows correctly

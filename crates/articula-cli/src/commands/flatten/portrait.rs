@@ -7,6 +7,7 @@ use crate::fault;
 use crate::files::{self, Files};
 use crate::open;
 use anyhow::Context;
+use articula::Figure;
 use articula::core::Viewport;
 use articula::flat::portrait::PictureFormat;
 use articula::flat::portrait::{EmbeddedFile, PageOptions, page};
@@ -14,7 +15,6 @@ use articula::flat::portrait::{Portrait, PortraitOptions};
 use articula::flatten::{
     PortraitReport, PortraitShot, portrait, portrait_errors, surfaces_shown_otherwise,
 };
-use articula::{Executor, Figure};
 use std::path::Path;
 
 /// Maximum size of an embedded picture or sound in bytes.
@@ -42,14 +42,11 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         let what = "--audio needs a clip with the motion of the mouth; name one with --clip, or give --motion";
         return Err(fault::usage(what));
     }
-    let bar = console.progress("making the portrait", 100);
-    let work = Executor::default();
-    let (head, made) = portrait(&figure, &shot, &work)?;
-    bar.set_position(70);
+    let (head, made) = console.work(|work| portrait(&figure, &shot, work))?;
     let written = write(args, &made, &console.files)?;
-    let error = portrait_errors(&made, &head, &shot.options, &work)
+    let error = console
+        .work(|work| portrait_errors(&made, &head, &shot.options, work))
         .with_context(|| figure.opened.name().to_owned())?;
-    bar.finish_and_clear();
     let out = files::shown(args.out());
     let mut report = PortraitReport::new(out, &made, &written, error, &shot.options)?;
     let far = std::mem::take(&mut report.warnings);

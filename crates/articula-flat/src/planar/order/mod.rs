@@ -28,7 +28,9 @@ mod sift;
 
 pub use comparison::OrderComparison;
 pub(crate) use layers::Layer;
-pub(crate) use overlap::{Overlaps, wrong_pixels};
+pub(crate) use overlap::Overlaps;
+#[cfg(test)]
+pub(crate) use overlap::wrong_pixels;
 pub(crate) use painted::Painted;
 pub use painting::OrderOptions;
 pub(crate) use painting::{Epoch, Painting};

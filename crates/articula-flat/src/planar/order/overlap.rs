@@ -68,6 +68,7 @@ impl WrongPixels {
 ///
 /// # Errors
 /// Errors of the clip, or [`PlanarError::Mismatch`] if `drawn` belongs to another one.
+#[cfg(test)]
 pub(crate) fn wrong_pixels(
     clip: &PlanarClip,
     drawn: &Drawn,
