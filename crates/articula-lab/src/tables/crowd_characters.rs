@@ -134,7 +134,7 @@ fn measured(
     (count, frames): (usize, usize),
 ) -> Result<SceneMeasurement> {
     let scene = plaza(count, &[asset.clips().len()], SEED, Plaza::Still);
-    let scene = crowd_for_sizes(scene, std::iter::once(&*asset.full().mesh));
+    let scene = crowd_for_sizes(scene, std::iter::once(asset.full()));
     let options = MeasureOptions {
         scene: SceneOptions {
             detail,

@@ -343,7 +343,7 @@ impl CrowdArgs {
                 let count = self.count.unwrap_or(PLAZA_COUNT);
                 let clips: Vec<usize> = cast.iter().map(|c| c.asset.clips().len()).collect();
                 let scene = plaza(count, &clips, self.seed, self.plaza().unwrap_or_default());
-                crowd_for_sizes(scene, cast.iter().map(|c| &*c.asset.full().mesh))
+                crowd_for_sizes(scene, cast.iter().map(|c| c.asset.full()))
             }
         };
         self.apply_views(&mut scene)?;
