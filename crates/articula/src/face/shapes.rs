@@ -1,6 +1,7 @@
 //! Morph targets for a face, made from its feature points: the blend shapes of ARKit for one without
 //! any, or a face animation table.
 
+use super::around::Around;
 use super::found::FoundFace;
 use super::named::{NamedTarget, named_controls};
 use super::targets::{Existing, add_targets};
@@ -93,7 +94,8 @@ fn made_shapes(
 ) -> Result<FaceShapes> {
     let figure = Figure::new(opened.clone())?;
     let face = FoundFace::of(&figure, given)?;
-    let vertices = figure.in_character(&face.head.vertices)?;
+    let around = Around::of(&figure, &face.head, face.points.height());
+    let vertices = figure.in_character(&around.head.vertices)?;
     let table = face.table()?;
     let chart = MouthChart::new(&face.head.surface, &face.points);
     let measured = |name: &str| motions.displacements(name, chart.as_ref()?, &table);
@@ -107,7 +109,7 @@ fn made_shapes(
             continue;
         }
         made.push(shape.name);
-        shapes.push((shape.name.to_owned(), offsets));
+        shapes.push((shape.name.to_owned(), around.displacements(offsets)));
     }
     let existing = if shows_shapes(opened) {
         Existing::Refused
@@ -115,7 +117,7 @@ fn made_shapes(
         Existing::Kept
     };
     Ok(FaceShapes {
-        vertices: add_targets(opened, (&face.head, &vertices), &shapes, existing)?,
+        vertices: add_targets(opened, (&around.head, &vertices), &shapes, existing)?,
         made,
         not_made,
         doubtful: face.doubtful(),
