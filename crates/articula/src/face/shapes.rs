@@ -19,6 +19,8 @@ use serde::Serialize;
 /// Share of the values of `cheekPuff` that its shape shows. They are 24 mm on an average face; the own
 /// shapes of faces puff the cheeks by 4 to 6 mm.
 const PUFF: f32 = 0.25;
+/// The same of brows, whose values are 13 to 17 mm; those of faces go by 5 to 9 mm.
+const BROWS: f32 = 0.45;
 
 /// Blend shapes that were made for a face.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -127,9 +129,12 @@ fn made_shapes(
 /// The parameters that a blend shape is made by where no head showed it.
 fn parameters(shape: &str) -> FapValues {
     let mut values = blend_shape(shape).unwrap_or_default();
-    if shape == "cheekPuff" {
-        values.0.iter_mut().for_each(|v| *v *= PUFF);
-    }
+    let share = match shape {
+        "cheekPuff" => PUFF,
+        _ if shape.starts_with("brow") => BROWS,
+        _ => 1.0,
+    };
+    values.0.iter_mut().for_each(|v| *v *= share);
     values
 }
 
