@@ -22,7 +22,12 @@ fn shape<'a>(surface: &'a FaceSurface, name: &str) -> &'a [Vec3] {
 
 /// The vertices of the skin that a shape moves by more than a tenth of its largest displacement, with that.
 fn moved(own: &[Vec3], points: &FacePoints) -> (Vec<usize>, f32) {
-    let mut skin: Vec<usize> = points.skin().iter().flatten().map(|v| *v as usize).collect();
+    let mut skin: Vec<usize> = points
+        .skin()
+        .iter()
+        .flatten()
+        .map(|v| *v as usize)
+        .collect();
     skin.sort_unstable();
     skin.dedup();
     let most = skin.iter().map(|v| own[*v].length()).fold(0.0, f32::max);
@@ -39,10 +44,17 @@ fn a_head_gets_back_the_motions_that_it_showed() {
     opened.keep_morph_targets(|_| false);
     add_face_shapes_by(&mut opened, &[], &motions).unwrap();
     let made = surface(opened);
-    for name in ["jawOpen", "mouthSmileLeft", "mouthSmileRight", "mouthPucker", "mouthFunnel"] {
+    for name in [
+        "jawOpen",
+        "mouthSmileLeft",
+        "mouthSmileRight",
+        "mouthPucker",
+        "mouthFunnel",
+    ] {
         let (own, made) = (shape(&own, name), shape(&made, name));
         let (skin, most) = moved(own, &points);
-        let error = skin.iter().map(|v| own[*v].distance(made[*v])).sum::<f32>() / skin.len() as f32;
+        let error =
+            skin.iter().map(|v| own[*v].distance(made[*v])).sum::<f32>() / skin.len() as f32;
         // The chart has 5 mm between its nodes; what rests would have an error of about a half.
         assert!(error < 0.15 * most, "{name}: {error} of {most}");
     }
@@ -56,8 +68,16 @@ fn without_motions_the_rules_of_parameters_hold() {
     let mut stored = by_rules.clone();
     let all = add_face_shapes_by(&mut by_rules, &[], &none).unwrap().made;
     // Both ways make the same shapes; those of eyes and brows are alike.
-    assert_eq!(all, add_face_shapes_by(&mut stored, &[], &MouthMotions::stored()).unwrap().made);
+    assert_eq!(
+        all,
+        add_face_shapes_by(&mut stored, &[], &MouthMotions::stored())
+            .unwrap()
+            .made
+    );
     let [rules, measured] = [by_rules, stored].map(surface);
-    assert_eq!(shape(&rules, "eyeWideLeft"), shape(&measured, "eyeWideLeft"));
+    assert_eq!(
+        shape(&rules, "eyeWideLeft"),
+        shape(&measured, "eyeWideLeft")
+    );
     assert_ne!(shape(&rules, "jawOpen"), shape(&measured, "jawOpen"));
 }

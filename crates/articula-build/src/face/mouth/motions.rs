@@ -232,7 +232,11 @@ mod tests {
         let broken = MouthMotions::read(&STORED[1..]).unwrap_err();
         assert_eq!(
             broken.to_string(),
-            format!("motions of the mouth have {} bytes, not {}", STORED.len(), STORED.len() - 1)
+            format!(
+                "motions of the mouth have {} bytes, not {}",
+                STORED.len(),
+                STORED.len() - 1
+            )
         );
     }
 
@@ -265,11 +269,19 @@ mod tests {
         let motion = stored("jawOpen");
         let [upper, lower, chin] = [at(&motion, 8, 0), at(&motion, 24, 0), at(&motion, 24, 8)];
         // A human face is 135 mm high, and its chin goes down by 30 to 45 mm.
-        assert!((0.2..0.35).contains(&chin.length()) && chin.y < 0.0, "{chin}");
+        assert!(
+            (0.2..0.35).contains(&chin.length()) && chin.y < 0.0,
+            "{chin}"
+        );
         assert!(lower.y < 0.6 * chin.y && upper.length() < 0.1 * lower.length());
         // The opening is an oval: it narrows towards the corners.
-        let open: Vec<f32> = (0..=8).map(|c| at(&motion, c, 0).y - at(&motion, (32 - c) % 32, 0).y).collect();
-        assert!(open.windows(2).all(|pair| pair[0] <= pair[1] + 1e-3), "{open:?}");
+        let open: Vec<f32> = (0..=8)
+            .map(|c| at(&motion, c, 0).y - at(&motion, (32 - c) % 32, 0).y)
+            .collect();
+        assert!(
+            open.windows(2).all(|pair| pair[0] <= pair[1] + 1e-3),
+            "{open:?}"
+        );
     }
 
     #[test]

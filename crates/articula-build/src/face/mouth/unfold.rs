@@ -123,7 +123,9 @@ mod tests {
     fn square() -> Folds {
         let at = |i: u32| Vec3::new((i % 5) as f32, (i / 5) as f32, 0.0);
         let cells = (0..16).map(|i| i / 4 * 5 + i % 4);
-        let triangles: Vec<[u32; 3]> = cells.flat_map(|v| [[v, v + 1, v + 6], [v, v + 6, v + 5]]).collect();
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|v| [[v, v + 1, v + 6], [v, v + 6, v + 5]])
+            .collect();
         Folds::of_triangles((0..25).map(at).collect(), (0..25).collect(), &triangles)
     }
 
