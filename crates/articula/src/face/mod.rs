@@ -11,6 +11,7 @@
 //! - `fdp`: those of FDP files
 //! - `stored`: those that an asset keeps
 //! - `found`: a head with its points
+//! - `around`: the skin that goes on from a head
 //! - `shapes`: blend shapes for a face without them, and tables
 //! - `targets`: new morph targets of a head
 //! - `turns`: head and eyes, which turn
@@ -24,6 +25,7 @@
 //! - `with_body`: the parameters of a face that moves with a body
 //! - `driven`: how many parameters a face shows
 
+mod around;
 mod capture;
 mod controls;
 mod detail;

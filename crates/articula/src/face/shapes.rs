@@ -1,6 +1,7 @@
 //! Morph targets for a face, made from its feature points: the blend shapes of ARKit for one without
 //! any, or a face animation table.
 
+use super::around::Around;
 use super::found::FoundFace;
 use super::named::{NamedTarget, named_controls};
 use super::targets::{Existing, add_targets};
@@ -18,6 +19,8 @@ use serde::Serialize;
 /// Share of the values of `cheekPuff` that its shape shows. They are 24 mm on an average face; the own
 /// shapes of faces puff the cheeks by 4 to 6 mm.
 const PUFF: f32 = 0.25;
+/// The same of brows, whose values are 13 to 17 mm; those of faces go by 5 to 9 mm.
+const BROWS: f32 = 0.45;
 
 /// Blend shapes that were made for a face.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,7 +96,8 @@ fn made_shapes(
 ) -> Result<FaceShapes> {
     let figure = Figure::new(opened.clone())?;
     let face = FoundFace::of(&figure, given)?;
-    let vertices = figure.in_character(&face.head.vertices)?;
+    let around = Around::of(&figure, &face.head, face.points.height());
+    let vertices = figure.in_character(&around.head.vertices)?;
     let table = face.table()?;
     let chart = MouthChart::new(&face.head.surface, &face.points);
     let measured = |name: &str| motions.displacements(name, chart.as_ref()?, &table);
@@ -107,7 +111,7 @@ fn made_shapes(
             continue;
         }
         made.push(shape.name);
-        shapes.push((shape.name.to_owned(), offsets));
+        shapes.push((shape.name.to_owned(), around.displacements(offsets)));
     }
     let existing = if shows_shapes(opened) {
         Existing::Refused
@@ -115,7 +119,7 @@ fn made_shapes(
         Existing::Kept
     };
     Ok(FaceShapes {
-        vertices: add_targets(opened, (&face.head, &vertices), &shapes, existing)?,
+        vertices: add_targets(opened, (&around.head, &vertices), &shapes, existing)?,
         made,
         not_made,
         doubtful: face.doubtful(),
@@ -125,9 +129,12 @@ fn made_shapes(
 /// The parameters that a blend shape is made by where no head showed it.
 fn parameters(shape: &str) -> FapValues {
     let mut values = blend_shape(shape).unwrap_or_default();
-    if shape == "cheekPuff" {
-        values.0.iter_mut().for_each(|v| *v *= PUFF);
-    }
+    let share = match shape {
+        "cheekPuff" => PUFF,
+        _ if shape.starts_with("brow") => BROWS,
+        _ => 1.0,
+    };
+    values.0.iter_mut().for_each(|v| *v *= share);
     values
 }
 

@@ -32,6 +32,7 @@ mod items;
 mod joint_schemes;
 mod kept_faces;
 mod keys;
+mod made_faces;
 mod merged_joints;
 mod mesh_levels;
 mod mp4;

@@ -164,15 +164,19 @@ impl MouthChart {
 }
 
 /// The vertices of the upper and of the lower lip that stand for its points. On a coarse mesh one vertex may stand for
-/// points of both; it is of the lip on whose side of the line between them it is. `height` is that above the line.
+/// points of both; it is of the lip on whose side of the line between them it is. None where a face has no lips, so that
+/// all are on one side. `height` is that above the line.
 fn lips(points: &FacePoints, height: impl Fn(u32) -> f32) -> [Vec<u32>; 2] {
-    [(0, 1.0), (1, -1.0)].map(|(lip, up): (usize, f32)| {
+    let lips = [(0, 1.0), (1, -1.0)].map(|(lip, up): (usize, f32)| {
         let vertex = |point: &PointId| points.get(*point)?.vertex;
-        let all: Vec<u32> = LIPS[lip].iter().filter_map(vertex).collect();
-        let own = all.iter().copied().filter(|v| up * height(*v) > -ASTRAY);
-        let own: Vec<u32> = own.collect();
-        if own.is_empty() { all } else { own }
-    })
+        let all = LIPS[lip].iter().filter_map(vertex);
+        all.filter(|v| up * height(*v) > -ASTRAY)
+            .collect::<Vec<u32>>()
+    });
+    match lips.iter().any(Vec::is_empty) {
+        true => [Vec::new(), Vec::new()],
+        false => lips,
+    }
 }
 
 /// Vertices at edges of one triangle.

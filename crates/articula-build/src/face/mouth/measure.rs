@@ -2,6 +2,7 @@
 
 use super::chart::{COLUMNS, MouthChart, Place, ROWS, STEP, node};
 use super::motion::Motion;
+use articula_core::Libm;
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
 /// Least radius of the vertices that a node is fitted to, by half the width of the mouth, and that radius by the length of
@@ -68,7 +69,7 @@ fn of_sheet(sheet: &[Place], at: Vec2, radius: f32) -> Vec<(u32, f32)> {
     let mut reach = radius;
     for wider in WIDER {
         reach = radius * wider;
-        let weight = |p: &Place| (-p.flat.distance_squared(at) / (2.0 * reach * reach)).exp();
+        let weight = |p: &Place| (-p.flat.distance_squared(at) / (2.0 * reach * reach)).libm_exp();
         near = sheet
             .iter()
             .map(|p| (p, weight(p)))

@@ -192,6 +192,21 @@ mod tests {
         }
 
         #[test]
+        fn lips_do_not_go_through_each_other(seed in 0_u32..100) {
+            let before = some_motion(seed);
+            let motion = before.clone().with_lips_apart();
+            for column in 1..COLUMNS / 2 {
+                let [upper, lower] = [column, COLUMNS - column].map(|c| motion.nodes[c * ROWS]);
+                let apart = upper - lower;
+                prop_assert!(apart.y >= SLIDE * apart.x.hypot(apart.z) - 1e-5, "{column}: {apart}");
+                // What both do together stays, and what lies beyond the lips.
+                let [a, b] = [column, COLUMNS - column].map(|c| before.nodes[c * ROWS]);
+                prop_assert!((upper + lower).distance(a + b) < 1e-5);
+                prop_assert_eq!(motion.nodes[column * ROWS + LIP.len()], before.nodes[column * ROWS + LIP.len()]);
+            }
+        }
+
+        #[test]
         fn a_motion_that_is_even_is_the_same_everywhere(x in -3.0_f32..3.0, y in -3.0_f32..3.0) {
             let even = Motion { nodes: vec![Vec3::new(0.1, -0.2, 0.3); COLUMNS * ROWS] };
             prop_assert!(even.of(&place(x, y), Side::Own).distance(Vec3::new(0.1, -0.2, 0.3)) < 1e-6);

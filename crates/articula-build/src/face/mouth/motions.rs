@@ -8,7 +8,8 @@ use super::motion::{Motion, Side, across, mirrored};
 use glam::Vec3;
 use thiserror::Error;
 
-/// The mean motions of ICT-FaceKit and of the woman of MakeHuman (`docs/methods/faces.md`).
+/// The mean motions of ICT-FaceKit (USC Institute for Creative Technologies, MIT licence) and of the woman of MakeHuman
+/// (CC0), written by `articula-lab made-shapes --motions` (`docs/methods/faces.md`).
 static STORED: &[u8] = include_bytes!("motions.bin");
 /// A unit of the file, by the height of the face.
 const UNIT: f32 = 2e-5;
@@ -202,5 +203,110 @@ impl MouthMotions {
         };
         let motion = &self.motions[index];
         (!motion.is_still()).then_some((motion, side))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stored(shape: &str) -> Motion {
+        let motions = MouthMotions::stored();
+        let (motion, side) = motions.find(shape).unwrap();
+        match side {
+            Side::Own => motion.clone(),
+            Side::Mirrored => motion.mirrored(),
+        }
+    }
+
+    /// The displacement at a column of the chart, 0 at the left corner, 8 at the middle of the upper lip, 24 of the lower.
+    fn at(motion: &Motion, column: usize, row: usize) -> Vec3 {
+        motion.nodes[column * ROWS + row]
+    }
+
+    #[test]
+    fn the_file_holds_all_motions() {
+        let motions = MouthMotions::stored();
+        assert_eq!(motions.write(), STORED);
+        assert!(motions.motions.iter().all(|motion| !motion.is_still()));
+        let broken = MouthMotions::read(&STORED[1..]).unwrap_err();
+        assert_eq!(
+            broken.to_string(),
+            format!(
+                "motions of the mouth have {} bytes, not {}",
+                STORED.len(),
+                STORED.len() - 1
+            )
+        );
+    }
+
+    #[test]
+    fn even_shapes_are_their_own_mirror() {
+        for shape in EVEN {
+            let motion = stored(shape);
+            for (a, b) in motion.nodes.iter().zip(&motion.mirrored().nodes) {
+                assert!(a.distance(*b) < 2.0 * UNIT, "{shape}: {a} {b}");
+            }
+        }
+        for shape in SIDED {
+            let [left, right] = ["Left", "Right"].map(|side| stored(&format!("{shape}{side}")));
+            assert_eq!(left.mirrored(), right, "{shape}");
+        }
+        assert!(MouthMotions::stored().find("eyeBlinkLeft").is_none());
+    }
+
+    #[test]
+    fn the_brow_rests() {
+        // The outermost row above the mouth is at the forehead.
+        for shape in EVEN {
+            let moved = at(&stored(shape), COLUMNS / 4, ROWS - 1).length();
+            assert!(moved < 0.01, "{shape}: {moved}");
+        }
+    }
+
+    #[test]
+    fn an_open_jaw_takes_the_lower_lip_and_leaves_the_upper_one() {
+        let motion = stored("jawOpen");
+        let [upper, lower, chin] = [at(&motion, 8, 0), at(&motion, 24, 0), at(&motion, 24, 8)];
+        // A human face is 135 mm high, and its chin goes down by 30 to 45 mm.
+        assert!(
+            (0.2..0.35).contains(&chin.length()) && chin.y < 0.0,
+            "{chin}"
+        );
+        assert!(lower.y < 0.6 * chin.y && upper.length() < 0.1 * lower.length());
+        // The opening is an oval: it narrows towards the corners.
+        let open: Vec<f32> = (0..=8)
+            .map(|c| at(&motion, c, 0).y - at(&motion, (32 - c) % 32, 0).y)
+            .collect();
+        assert!(
+            open.windows(2).all(|pair| pair[0] <= pair[1] + 1e-3),
+            "{open:?}"
+        );
+    }
+
+    #[test]
+    fn a_smile_lifts_its_corner_and_leaves_the_other() {
+        let motion = stored("mouthSmileLeft");
+        let [left, right] = [at(&motion, 0, 0), at(&motion, 16, 0)];
+        assert!(left.x > 0.02 && left.y > 0.02, "{left}");
+        assert!(right.length() < 0.3 * left.length(), "{right}");
+    }
+
+    #[test]
+    fn a_pucker_draws_the_corners_in_and_the_lips_out() {
+        let motion = stored("mouthPucker");
+        let [left, upper, lower] = [at(&motion, 0, 0), at(&motion, 8, 1), at(&motion, 24, 1)];
+        assert!(left.x < -0.02, "{left}");
+        assert!(upper.z > 0.01 && lower.z > 0.01, "{upper} {lower}");
+    }
+
+    #[test]
+    fn heads_without_a_shape_do_not_count_in_its_mean() {
+        let stored = MouthMotions::stored();
+        let mut without = stored.clone();
+        without.motions[1] = Motion::still();
+        let mean = MouthMotions::mean(&[stored.clone(), without]);
+        assert_eq!(mean.motions[1], stored.motions[1]);
+        assert!(MouthMotions::mean(&[]).find("jawOpen").is_none());
     }
 }

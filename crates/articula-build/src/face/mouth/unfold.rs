@@ -22,8 +22,12 @@ pub(super) struct Folds {
 
 impl Folds {
     pub(super) fn of(surface: &FaceSurface, points: &FacePoints) -> Self {
-        let joined = points.parts.joined.clone();
-        let skin = points.parts.skin.iter();
+        let parts = &points.parts;
+        Self::of_triangles(surface.positions.clone(), parts.joined.clone(), &parts.skin)
+    }
+
+    fn of_triangles(positions: Vec<Vec3>, joined: Vec<u32>, skin: &[[u32; 3]]) -> Self {
+        let skin = skin.iter();
         let triangles: Vec<[u32; 3]> = skin.map(|t| t.map(|v| joined[v as usize])).collect();
         let mut of_edge: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
         let mut neighbours: BTreeMap<u32, BTreeSet<u32>> = BTreeMap::new();
@@ -42,7 +46,7 @@ impl Folds {
         }
         let mut folds = Self {
             normals: Vec::new(),
-            positions: surface.positions.clone(),
+            positions,
             joined,
             triangles,
             beside,
@@ -108,5 +112,36 @@ impl Folds {
         let all = || beside.into_iter().flatten().map(|v| moved[*v as usize]);
         let count = all().count() as f32;
         0.5 * (moved[vertex as usize] + all().sum::<Vec3>() / count.max(1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of 5 by 5 vertices.
+    fn square() -> Folds {
+        let at = |i: u32| Vec3::new((i % 5) as f32, (i / 5) as f32, 0.0);
+        let cells = (0..16).map(|i| i / 4 * 5 + i % 4);
+        let triangles: Vec<[u32; 3]> = cells
+            .flat_map(|v| [[v, v + 1, v + 6], [v, v + 6, v + 5]])
+            .collect();
+        Folds::of_triangles((0..25).map(at).collect(), (0..25).collect(), &triangles)
+    }
+
+    #[test]
+    fn a_fold_is_smoothed_and_what_is_flat_stays() {
+        let folds = square();
+        let mut moved = vec![Vec3::ZERO; 25];
+        moved[12] = Vec3::new(1.5, 0.2, 0.0);
+        let all = 0..folds.triangles.len();
+        assert!(all.clone().any(|t| folds.is_folded(t, &moved)));
+        folds.unfold(&mut moved);
+        assert!(!all.clone().any(|t| folds.is_folded(t, &moved)));
+        assert!(moved[12].x > 0.3, "{}", moved[12]);
+        let mut bent: Vec<Vec3> = (0..25).map(|i| 0.2 * (i % 5) as f32 * Vec3::Z).collect();
+        let before = bent.clone();
+        folds.unfold(&mut bent);
+        assert_eq!(bent, before);
     }
 }
