@@ -14,18 +14,13 @@ use super::moving_gradient::{self, Corners, Wanted};
 use super::order::Layer;
 use super::shading::{Colors, Shading, flat_color};
 use super::shared_motion::Placed;
+use super::small_shapes::{area, slack_of_small};
 use super::tunnel::{Windows, fewest_keys};
 use super::underlap::{Sealed, UnderlapOptions};
 use glam::{DVec2, Vec2};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::rc::Rc;
-
-/// Triangles smaller than this, in square pixels, have a larger colour tolerance: twice for a
-/// quarter of the area, so that their contribution to the image error stays the same.
-const SMALL_PX2: f64 = 16.0;
-/// Slivers thinner than this, in pixels, have a larger colour tolerance too.
-const THIN_PX: f64 = 3.0;
 
 /// Tolerances, shading and units of the key-frame reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -542,21 +537,6 @@ fn in_box(outline: &[f64], place: [f64; 2]) -> [f64; 2] {
         (place[n] - low) / (high - low).max(1e-3) * f64::from(BOX)
     };
     [of(0), of(1)]
-}
-
-/// Area in square pixels.
-fn area([a, b, c]: &[Vec2; 3]) -> f64 {
-    f64::from((*b - *a).perp_dot(*c - *a).abs()) / 2.0
-}
-
-/// Factor of the colour tolerance of small triangles and slivers.
-fn slack_of_small(places: &[Vec2; 3]) -> f64 {
-    let [a, b, c] = *places;
-    let area = area(places);
-    let longest = f64::from(a.distance(b).max(b.distance(c)).max(c.distance(a)));
-    let thickness = 2.0 * area / longest.max(1e-3);
-    let small = (SMALL_PX2 / area.max(1e-3)).sqrt();
-    small.max(THIN_PX / thickness.max(1e-3)).clamp(1.0, 8.0)
 }
 
 #[cfg(test)]

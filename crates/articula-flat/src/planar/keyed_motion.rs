@@ -1,6 +1,6 @@
 //! A motion that many shapes share, as few keys.
 
-use super::keyed_clip::KeyedTrack;
+use super::keyed_track::KeyedTrack;
 use glam::{DAffine2, DMat2, DVec2};
 
 /// Units of a translation in a grid step.

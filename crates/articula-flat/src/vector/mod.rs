@@ -19,6 +19,7 @@ mod path;
 pub mod player;
 mod raster;
 mod smil;
+mod smil_motion;
 mod smil_sampler;
 pub(crate) mod still;
 mod svg_text;

@@ -72,6 +72,18 @@ pub(super) fn push_id(text: &mut String, index: usize) {
     }
 }
 
+/// A number in units of a power of ten, as the shortest decimal number.
+pub(super) fn fixed(value: i32, unit: f64) -> String {
+    let digits = unit.log10().round() as usize;
+    let text = format!("{:.digits$}", f64::from(value.abs()) / unit);
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    let text = text
+        .strip_prefix("0.")
+        .map_or(text.to_owned(), |rest| format!(".{rest}"));
+    let sign = if value < 0 { "-" } else { "" };
+    format!("{sign}{text}")
+}
+
 fn push_number(text: &mut String, number: i64) {
     let follows_number = text.bytes().last().is_some_and(|c| c.is_ascii_digit());
     if follows_number && number >= 0 {

@@ -13,13 +13,14 @@
 //! Renderers without animation show the first frame: attributes hold its state, and shapes that are
 //! hidden then have no outline in it.
 
-use super::path::{push_color, push_id, push_outlines};
+use super::path::{fixed, push_color, push_id, push_outlines};
+use super::smil_motion::{fixed_numbers, transforms};
 use super::svg_text::{Clock, push_title};
 use crate::planar::PlanarError;
 use crate::planar::keyed_clip::{
     BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits,
 };
-use crate::planar::keyed_motion::{ANGLE, KeyedMotion, SCALE, TRANSLATION};
+use crate::planar::keyed_motion::KeyedMotion;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -450,46 +451,6 @@ fn units_of(lines: LineUnits) -> &'static str {
 /// Thousandths as the shortest decimal number.
 fn decimal(thousandths: i32) -> String {
     fixed(thousandths, f64::from(BOX))
-}
-
-/// A number in units of a power of ten, as the shortest decimal number.
-fn fixed(value: i32, unit: f64) -> String {
-    let digits = unit.log10().round() as usize;
-    let text = format!("{:.digits$}", f64::from(value.abs()) / unit);
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    let text = text
-        .strip_prefix("0.")
-        .map_or(text.to_owned(), |rest| format!(".{rest}"));
-    let sign = if value < 0 { "-" } else { "" };
-    format!("{sign}{text}")
-}
-
-fn fixed_numbers(values: &[i32], unit: f64) -> String {
-    let texts: Vec<String> = values.iter().map(|v| fixed(*v, unit)).collect();
-    let mut out = texts[0].clone();
-    for text in &texts[1..] {
-        out.push_str(if text.starts_with('-') { "" } else { " " });
-        out.push_str(text);
-    }
-    out
-}
-
-/// Parts of a motion in the sequence of a list of transforms: name, numbers, units of 1. Rotation, skew and
-/// scale are left out where they change nothing.
-fn transforms(motion: &KeyedMotion) -> Vec<(&'static str, &KeyedTrack, f64)> {
-    let [translation, rotation, skew, scale] = motion.tracks();
-    let parts = [
-        ("rotate", rotation, ANGLE, 0),
-        ("skewX", skew, ANGLE, 0),
-        ("scale", scale, SCALE, SCALE as i32),
-    ];
-    let changes = |track: &KeyedTrack, usual: i32| track.values.iter().any(|v| *v != usual);
-    let parts = parts
-        .into_iter()
-        .filter(|(_, track, _, usual)| changes(track, *usual));
-    std::iter::once(("translate", translation, TRANSLATION))
-        .chain(parts.map(|(kind, track, unit, _)| (kind, track, unit)))
-        .collect()
 }
 
 /// Path data of outlines.
