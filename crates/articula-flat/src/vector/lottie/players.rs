@@ -297,10 +297,12 @@ fn documents() -> Vec<Item> {
         item("lottie", &text, &MOMENTS),
         item("dotlottie", &text, &MOMENTS[..5]),
     ];
-    let along_text = of(&along(&gouraud));
-    for (text, frame) in [(&flat_text, 2.5), (&along_text, 3.0), (&ring_text, 0.0)] {
-        items.extend(["lottie", "dotlottie"].map(|kind| item(kind, text, &[frame])));
-    }
+    let both = |text: &str, frame| ["lottie", "dotlottie"].map(|kind| item(kind, text, &[frame]));
+    items.extend(both(&flat_text, 2.5));
+    let along = along(&gouraud);
+    items.push(item("smil", &smil(&along, NAME).unwrap(), &[3.0]));
+    items.extend(both(&of(&along), 3.0));
+    items.extend(both(&ring_text, 0.0));
     items
 }
 
@@ -373,13 +375,16 @@ fn players_show_the_flat_cube() {
 /// by many pixels.
 #[test]
 fn players_show_shapes_that_follow_a_motion() {
-    let Some([drawn, _, _, _, _, lottie, dotlottie, ..]) = shown() else {
+    let Some([drawn, _, _, _, _, along, lottie, dotlottie, ..]) = shown() else {
         return;
     };
+    // Frame 3; corners are off by half a grid step, which moves the cracks.
+    let [plain, along] = [&drawn.pictures[2], &along.pictures[0]];
+    let apart = rmse(plain, along).unwrap();
+    assert!(apart <= 6.0, "{apart} levels");
     for (kind, seen) in [("lottie", lottie), ("dotlottie", dotlottie)] {
-        // Frame 3; corners are off by half a grid step.
-        let apart = rmse(&drawn.pictures[2], &seen.pictures[0]).unwrap();
-        assert!(apart <= 4.5, "{kind}: {apart} levels");
+        let apart = rmse(along, &seen.pictures[0]).unwrap();
+        assert!(apart <= 2.5, "{kind}: {apart} levels from the SVG");
     }
 }
 
