@@ -3,8 +3,9 @@
 use super::posed::PosedVertices;
 use super::skin::Skin;
 use super::{greatest_vertex_error, times};
+use articula_core::Mesh;
 use articula_core::source::{Property, RawClip};
-use glam::{Affine3A, Vec3, Vec3A};
+use glam::{Affine3A, Vec3A};
 use std::collections::BTreeMap;
 
 /// What rounding adds to a distance at most, of the longest position.
@@ -99,8 +100,10 @@ impl<'a> ReferenceClip<'a> {
     /// About how many bytes one needs.
     pub fn bytes(wanted: &PosedVertices<'_>, shown: &PosedVertices<'_>, clip: &RawClip) -> usize {
         let matrices = wanted.mesh.bindings.len() + shown.mesh.bindings.len();
-        let points = wanted.mesh.len() + shown.mesh.len();
-        times(clip, 0).len() * matrices * size_of::<Affine3A>() + points * size_of::<Vec3>()
+        let points = |mesh: &Mesh| mesh.len() * (size_of::<Vec3A>() + 4 + 8 * mesh.influences);
+        times(clip, 0).len() * matrices * size_of::<Affine3A>()
+            + points(&wanted.mesh)
+            + points(&shown.mesh)
     }
 
     /// Greatest error of the stored mesh in the clip itself, in metres.
@@ -299,7 +302,7 @@ mod tests {
     use articula_core::source::{
         Channel, Character, Interpolation, Joint, Primitive, RawMesh, Skeleton, Skin,
     };
-    use glam::Quat;
+    use glam::{Quat, Vec3};
     use proptest::prelude::*;
 
     const JOINTS: usize = 3;

@@ -15,6 +15,7 @@ use crate::planar::PlanarError;
 use crate::planar::key_frames::{KeyOptions, keyed_along};
 use crate::planar::keyed_clip::LineUnits;
 use crate::planar::reference::reference;
+use crate::planar::shading::Shading;
 use crate::planar::shared_motion::SharedMotions;
 use crate::planar::underlap::{UnderlapOptions, seal};
 use crate::vector::AnimatedSvg;
@@ -206,13 +207,18 @@ fn key_framed(
     let underlap = UnderlapOptions {
         distance_px: prepared.underlap.distance_px + SLACK * quality.pos_tol_px,
     };
-    let shared = SharedMotions::of(
-        clip,
-        &prepared.painting,
-        &prepared.layers,
-        &prepared.overlaps,
-        quality.pos_tol_px,
-    );
+    let PreparedClip {
+        painting,
+        layers,
+        overlaps,
+        ..
+    } = prepared;
+    // Shapes that are merged follow no motion.
+    let is_merged = quality.shading == Shading::Flat && quality.merge_levels.is_some();
+    let shared = match is_merged {
+        true => SharedMotions::none(painting, layers),
+        false => SharedMotions::of(clip, painting, layers, overlaps, quality.pos_tol_px),
+    };
     let sealed = seal(clip, drawn, &shared.painting, underlap);
     let follow = (&shared.motions[..], &shared.of_layer[..]);
     let (keyed, stats) = keyed_along(clip, drawn, &shared.layers, &sealed, follow, &options)?;

@@ -1,6 +1,7 @@
 //! A motion that many shapes share, as few keys.
 
 use super::keyed_track::KeyedTrack;
+use articula_core::Libm;
 use glam::{DAffine2, DMat2, DVec2};
 
 /// Units of a translation in a grid step.
@@ -31,10 +32,10 @@ impl KeyedMotion {
             DVec2::new(values[0], values[1]) / unit
         };
         let angle = |track: &KeyedTrack| (track.at(frame)[0] / ANGLE).to_radians();
-        let skew = DMat2::from_cols(DVec2::X, DVec2::new(angle(&self.skew).tan(), 1.0));
-        let linear = DMat2::from_angle(angle(&self.rotation))
-            * skew
-            * DMat2::from_diagonal(pair(&self.scale, SCALE));
+        let skew = DMat2::from_cols(DVec2::X, DVec2::new(angle(&self.skew).libm_tan(), 1.0));
+        let (sin, cos) = angle(&self.rotation).libm_sin_cos();
+        let rotation = DMat2::from_cols(DVec2::new(cos, sin), DVec2::new(-sin, cos));
+        let linear = rotation * skew * DMat2::from_diagonal(pair(&self.scale, SCALE));
         DAffine2::from_mat2_translation(linear, pair(&self.translation, TRANSLATION))
     }
 
@@ -65,8 +66,8 @@ pub(crate) fn parts(linear: DMat2) -> (f64, f64, DVec2) {
     let wide = x.length().max(1e-6);
     let high = (x.perp_dot(y) / wide).max(1e-6);
     (
-        x.y.atan2(x.x),
-        (x.dot(y) / wide / high).atan(),
+        x.y.libm_atan2(x.x),
+        (x.dot(y) / wide / high).libm_atan2(1.0),
         DVec2::new(wide, high),
     )
 }

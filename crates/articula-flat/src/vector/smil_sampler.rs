@@ -251,6 +251,14 @@ impl AnimatedSvg {
         for child in node.children().filter(is_animate) {
             let animation = Animation::read(child)?;
             self.duration_secs = self.duration_secs.max(animation.duration_secs);
+            let is_first = !animations
+                .iter()
+                .any(|a: &Animation| a.attribute == animation.attribute);
+            if is_first && animation.is_added {
+                return Err(unsupported(
+                    "additive \"sum\" of the first animation of a transform".to_owned(),
+                ));
+            }
             animations.push(animation);
         }
         Ok(animations)
@@ -346,6 +354,9 @@ impl Animation {
             duration_secs.ok_or_else(|| malformed("dur", format!("{:?}", shortened(dur))))?;
         let values = Values::read(values, attribute, is_discrete)?;
         let times = key_times(times, values.keys(), is_discrete)?;
+        if matches!(kind, Some("rotate" | "skewX")) && values.width() != 1 {
+            return Err(malformed("values", "more than an angle".to_owned()));
+        }
         Ok(Self {
             attribute,
             transform: kind,
@@ -438,6 +449,14 @@ impl Values {
         }
         let pattern = first.unwrap_or_default();
         Ok(Self::Rows { pattern, rows })
+    }
+
+    /// Number of numbers in a value.
+    fn width(&self) -> usize {
+        match self {
+            Self::Words(_) => 0,
+            Self::Rows { pattern, .. } => width(pattern),
+        }
     }
 
     fn keys(&self) -> usize {
@@ -703,6 +722,11 @@ mod tests {
             (&moved(r#"type="matrix" values="1""#), "another type"),
             (&moved(r#"values="1""#), "another type"),
             (&moved(r#"type="rotate" values="1 2 3""#), "values"),
+            (&moved(r#"type="rotate" values="1 2;3 4""#), "values"),
+            (
+                &moved(r#"type="scale" values="1;2" additive="sum""#),
+                "first",
+            ),
             (&moved(r#"type="scale" values="1;1 2""#), "different"),
             (
                 &moved(r#"type="scale" values="1;2" additive="much""#),

@@ -9,6 +9,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 /// Distance along the skin over which it follows the end of the head, by the height of the face.
 const REACH: f32 = 0.4;
+/// Offsets that are shorter, in metres, are none.
+const LEAST: f32 = 1e-5;
 
 /// A head with the skin around it.
 pub(super) struct Around {
@@ -85,7 +87,14 @@ impl Around {
 
     /// Displacements of all vertices by those of the head.
     pub(super) fn displacements(&self, mut of_head: Vec<Vec3>) -> Vec<Vec3> {
-        let follow = |(head, share): &(u32, f32)| *share * of_head[*head as usize];
+        let follow = |(head, share): &(u32, f32)| {
+            let offset = *share * of_head[*head as usize];
+            if offset.length() < LEAST {
+                Vec3::ZERO
+            } else {
+                offset
+            }
+        };
         let around: Vec<Vec3> = self.followed.iter().map(follow).collect();
         of_head.extend(around);
         of_head

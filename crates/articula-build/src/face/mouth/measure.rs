@@ -51,16 +51,13 @@ fn radius(column: usize, row: usize) -> f32 {
 }
 
 fn fit(sheets: &[Vec<Place>], at: Vec2, radius: f32) -> Fit {
-    let mut terms = Vec::new();
-    for sheet in sheets {
-        let share = 1.0 / sheets.len() as f32;
-        terms.extend(
-            of_sheet(sheet, at, radius)
-                .into_iter()
-                .map(|(v, c)| (v, share * c)),
-        );
+    let of = sheets.iter().map(|sheet| of_sheet(sheet, at, radius));
+    let of: Vec<Vec<(u32, f32)>> = of.filter(|terms| !terms.is_empty()).collect();
+    let share = 1.0 / of.len().max(1) as f32;
+    let terms = of.into_iter().flatten().map(|(v, c)| (v, share * c));
+    Fit {
+        terms: terms.collect(),
     }
-    Fit { terms }
 }
 
 /// The coefficients of vertices in the value at a place of the line fitted to them.

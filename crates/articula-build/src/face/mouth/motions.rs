@@ -1,7 +1,7 @@
 //! The motions of all blend shapes of the lower face, and their file.
 
 use super::super::points::{FacePoints, FaceSurface};
-use super::super::table::FaceTable;
+use super::super::table::{FaceTable, still_below_least};
 use super::chart::{COLUMNS, MouthChart, ROWS};
 use super::measure;
 use super::motion::{Motion, Side, across, mirrored};
@@ -186,6 +186,7 @@ impl MouthMotions {
         for place in &chart.others {
             all[place.vertex as usize] = chart.height * motion.of(place, side);
         }
+        still_below_least(&mut all);
         Some(all)
     }
 

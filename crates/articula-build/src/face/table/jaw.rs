@@ -64,7 +64,7 @@ impl FaceTable {
 }
 
 /// Offsets that are too short to be seen are none.
-pub(super) fn still_below_least(all: &mut [Vec3]) {
+pub(in super::super) fn still_below_least(all: &mut [Vec3]) {
     let short = |offset: &&mut Vec3| offset.length_squared() < super::LEAST * super::LEAST;
     all.iter_mut()
         .filter(short)

@@ -46,6 +46,7 @@ use tongue::Tongue;
 use weights::{WeightInput, weights};
 
 pub(super) use graph::{SurfaceGraph, nearest, smooth};
+pub(super) use jaw::still_below_least;
 pub(super) use mirror::Mirror;
 pub(super) use weights::sheet;
 
@@ -214,7 +215,7 @@ impl FaceTable {
             let gaze = Gaze::of(values, side, units.eye_separation, units.iris_diameter);
             eye.apply(&gaze, &self.positions, &mut all);
         }
-        jaw::still_below_least(&mut all);
+        still_below_least(&mut all);
         all
     }
 

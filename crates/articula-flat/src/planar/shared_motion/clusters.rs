@@ -1,7 +1,7 @@
 //! Groups of triangles that move nearly alike, and their motions.
 
 use super::cost::Costs;
-use super::fit::fitted;
+use super::fit::{LEAST_AREA, fitted};
 use super::item::Item;
 use super::placed::Placed;
 use crate::planar::keyed_motion::KeyedMotion;
@@ -17,7 +17,8 @@ const DIVISIONS: usize = 2;
 /// Rounds in which triangles choose their motion, before groups are divided and after each division.
 const CHOICES: usize = 3;
 
-/// Motions for some items: at first of each joint, then also of parts of what these move badly.
+/// Motions for some items: at first of each joint, then also of parts of what these move badly. Those that a file cannot
+/// hold, such as of a wheel that turns thirty times, and those that collapse between keys, are left out.
 pub(super) fn clusters(items: &[Item], frames: usize) -> Vec<KeyedMotion> {
     let mut by_part: BTreeMap<u16, Vec<usize>> = BTreeMap::new();
     for (i, item) in items.iter().enumerate() {
@@ -32,7 +33,13 @@ pub(super) fn clusters(items: &[Item], frames: usize) -> Vec<KeyedMotion> {
             .collect();
         motions = chosen(items, &mut groups, frames);
     }
+    motions.retain(|motion| is_sound(motion, frames));
     motions
+}
+
+fn is_sound(motion: &KeyedMotion, frames: usize) -> bool {
+    let area = |frame: usize| motion.at(frame as f64).matrix2.determinant();
+    motion.check(frames as u32).is_ok() && (0..frames).all(|f| area(f) > LEAST_AREA / 2.0)
 }
 
 /// Motions of groups, which are changed to the items that each motion suits best.

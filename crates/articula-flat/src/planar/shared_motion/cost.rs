@@ -77,8 +77,20 @@ pub(super) fn motion(index: usize) -> Option<u32> {
     index.checked_sub(1).map(|m| m as u32)
 }
 
-/// Bytes of an outline by the number of keys that a greedy choice needs.
+/// Half width of a window of a coordinate on the grid, below which no key is sure to be in it, grid steps.
+const LEAST_REACH: f64 = 0.5;
+
+/// Bytes of an outline by the number of keys that a greedy choice needs; infinite where the motion enlarges what
+/// rounding to the grid loses beyond the tolerance.
 fn bytes(item: &Item, placed: &[Placed]) -> f32 {
+    let is_within = |p: &Placed| *p == Placed::STILL || p.tolerance(item.tolerance) >= LEAST_REACH;
+    let mut shown = placed
+        .iter()
+        .zip(&item.is_shown)
+        .filter(|(_, shown)| **shown);
+    if !shown.all(|(p, _)| is_within(p)) {
+        return f32::INFINITY;
+    }
     match keys(item, placed) {
         0..=1 => 0.0,
         keys => ANIMATION + KEY * keys as f32,

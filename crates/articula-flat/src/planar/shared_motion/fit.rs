@@ -16,7 +16,7 @@ const RIGID: f64 = 400.0;
 /// Tolerance of a motion's keys, grid steps at the distance of its triangles.
 const TOLERANCE: f64 = 0.4;
 /// Least area factor of a map; below it the motion keeps shape instead.
-const LEAST_AREA: f64 = 0.05;
+pub(super) const LEAST_AREA: f64 = 0.05;
 
 /// Motion of some items. Origin of the shapes' coordinates is their centre.
 pub(super) fn fitted(items: &[&Item], frames: usize) -> KeyedMotion {

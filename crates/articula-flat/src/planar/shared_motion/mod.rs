@@ -28,6 +28,8 @@ use runs::cheapest;
 
 /// Number of times that the painting order is changed for runs that were found.
 const ROUNDS: usize = 6;
+/// Most layers times frames for which motions are looked for: some seconds' work.
+const MOST: usize = 1 << 21;
 
 /// Layers and the motions that they share.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,10 +45,21 @@ pub(crate) struct SharedMotions {
 }
 
 impl SharedMotions {
+    /// No motions.
+    pub(crate) fn none(painting: &Painting, layers: &[Layer]) -> Self {
+        Self {
+            painting: painting.clone(),
+            layers: layers.to_vec(),
+            motions: Vec::new(),
+            of_layer: vec![None; layers.len()],
+        }
+    }
+
     /// Finds motions for layers, back to front, and changes their order where that shows the same
-    /// samples; orders of several epochs stay as they are.
+    /// samples; orders of several epochs stay as they are. A clip of more than two million layers and frames
+    /// gets none.
     ///
-    /// O(motions x layers x frames) per round; few rounds.
+    /// O(motions x layers x frames + runs x pairs of layers that share a sample) per round; few rounds.
     pub(crate) fn of(
         clip: &PlanarClip,
         painting: &Painting,
@@ -54,6 +67,9 @@ impl SharedMotions {
         overlaps: &Overlaps,
         pos_tol_px: f32,
     ) -> Self {
+        if layers.len().saturating_mul(clip.frames.len()) > MOST {
+            return Self::none(painting, layers);
+        }
         let items = items(clip, layers, pos_tol_px);
         let motions = clusters(&items, clip.frames.len());
         let costs = Costs::new(&items, &motions);
@@ -224,6 +240,31 @@ mod tests {
         let before = Painting::single(&clip, &drawn).unwrap();
         let overlaps = Overlaps::of(&clip, &drawn).unwrap();
         assert_eq!(overlaps.wrong(&shared.painting), overlaps.wrong(&before));
+    }
+
+    #[test]
+    fn a_wheel_that_turns_too_often_for_a_file_has_no_motion() {
+        let mut clip = swinging(400);
+        for (f, frame) in clip.frames.iter_mut().enumerate() {
+            for (v, place) in frame.xy.iter_mut().enumerate() {
+                let pivot = Vec2::new(55.0 + 120.0 * (v / 3 % 2) as f32, 60.0);
+                *place = pivot + Vec2::from_angle(0.7 * f as f32).rotate(*place - pivot);
+            }
+        }
+        let shared = shared(&clip);
+        assert!(shared.motions.iter().all(|m| m.check(400).is_ok()));
+    }
+
+    #[test]
+    fn shapes_whose_grid_would_be_coarser_than_the_tolerance_follow_no_motion() {
+        let clip = swinging(40);
+        let drawn = Drawn::of(&clip).unwrap();
+        let painting = Painting::single(&clip, &drawn).unwrap();
+        let overlaps = Overlaps::of(&clip, &drawn).unwrap();
+        let layers = painting.layers(&drawn);
+        // Half a grid step, which a turned grid exceeds.
+        let shared = SharedMotions::of(&clip, &painting, &layers, &overlaps, 0.125);
+        assert!(shared.motions.is_empty());
     }
 
     #[test]

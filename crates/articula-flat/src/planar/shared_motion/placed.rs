@@ -27,7 +27,7 @@ impl Placed {
             .collect()
     }
 
-    /// A map that is not degenerate.
+    /// A map; its inverse is not finite where it is degenerate.
     pub(super) fn new(to_picture: DAffine2) -> Self {
         let DMat2 { x_axis, y_axis } = to_picture.matrix2;
         Self {

@@ -86,6 +86,9 @@ fn open(data: &Path, file: &str) -> Result<Option<CharacterFile>> {
     Ok(Some(articula::fs::open(&path)?))
 }
 
+/// Number of heads that motions of the lower face are measured on.
+pub(super) const COUNT: usize = MEASURED.len();
+
 /// What the heads show that motions of the lower face are measured on, with the text that names of the same head contain.
 pub(super) fn motions(data: &Path) -> Result<Vec<(&'static str, MouthMotions)>> {
     let mut all = Vec::new();

@@ -15,7 +15,7 @@ mod measured;
 mod page;
 
 use super::Run;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use articula_build::face::MouthMotions;
 use clap::Args;
 use heads::Head;
@@ -24,7 +24,7 @@ use std::path::PathBuf;
 /// What is judged.
 #[derive(Args)]
 pub(crate) struct Choice {
-    /// Heads whose name contains this text only, such as ICT.
+    /// Heads whose name contains this text only, such as ICT; the page is printed and not written.
     #[arg(long, default_value = "")]
     head: String,
     /// Writes the motions of the lower face that the heads with shapes of their own show, and judges nothing.
@@ -35,7 +35,10 @@ pub(crate) struct Choice {
 /// Judges the heads and writes the page.
 pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     if let Some(path) = &choice.motions {
-        let all = heads::motions(&run.data)?.into_iter();
+        let all = heads::motions(&run.data)?;
+        let what = "the motions are the mean of more heads than the data has";
+        ensure!(all.len() == heads::COUNT, what);
+        let all = all.into_iter();
         let mean = MouthMotions::mean(&all.map(|(_, motions)| motions).collect::<Vec<_>>());
         return std::fs::write(path, mean.write()).with_context(|| path.display().to_string());
     }
@@ -44,5 +47,10 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
         (head, rows)
     });
     let heads: Vec<_> = heads.collect();
-    run.save("made-shapes", &page::page(&heads), &page::csv(&heads))
+    let page = page::page(&heads);
+    if !choice.head.is_empty() {
+        print!("{page}");
+        return Ok(());
+    }
+    run.save("made-shapes", &page, &page::csv(&heads))
 }
