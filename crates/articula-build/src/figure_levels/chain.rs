@@ -131,16 +131,22 @@ pub(super) fn materials(full: &Mesh, triangles: &[[u32; 3]]) -> usize {
 /// The parts of a mesh with their triangles at a level. Triangles of a part are contiguous, and a
 /// triangle belongs to the part of its vertices.
 pub(super) fn parts(full: &Mesh, triangles: &[[u32; 3]]) -> Vec<Part> {
-    let of = |part: &Part| {
-        let is_in = |t: &[u32; 3]| part.vertices.contains(&(t[0] as usize));
-        let first = triangles.iter().position(is_in).unwrap_or(0);
-        let count = triangles.iter().filter(|t| is_in(t)).count();
-        Part {
-            triangles: first..first + count,
-            ..part.clone()
+    let mut of_vertex = vec![usize::MAX; full.len()];
+    for (index, part) in full.parts.iter().enumerate() {
+        of_vertex[part.vertices.clone()].fill(index);
+    }
+    let mut parts = full.parts.clone();
+    parts.iter_mut().for_each(|part| part.triangles = 0..0);
+    for (t, triangle) in triangles.iter().enumerate() {
+        if let Some(part) = parts.get_mut(of_vertex[triangle[0] as usize]) {
+            let first = match part.triangles.is_empty() {
+                true => t,
+                false => part.triangles.start,
+            };
+            part.triangles = first..t + 1;
         }
-    };
-    full.parts.iter().map(of).collect()
+    }
+    parts
 }
 
 #[cfg(test)]

@@ -118,20 +118,24 @@ impl Tracks {
 /// Triangles, and the indices of the vertices that may correspond to a point on them.
 type Search = (Vec<[u32; 3]>, Vec<usize>);
 
-/// First each part for its own vertices, then the parts of each material for those of all of them.
+/// First each part for its own vertices, then the parts of each material for those of all of them, and all triangles for
+/// the vertices of parts that have none.
 fn searches(triangles: &[[u32; 3]], vertices: &[u32], parts: &[Part]) -> Vec<Search> {
     let mut own = vec![Search::default(); parts.len() + 1];
+    let of_vertex = parts_of_vertices(parts);
+    let part_of = |v: u32| of_vertex.get(v as usize).copied().unwrap_or(parts.len());
     for triangle in triangles {
-        own[part_of(triangle[0], parts)].0.push(*triangle);
+        own[part_of(triangle[0])].0.push(*triangle);
     }
     for (place, v) in vertices.iter().enumerate() {
-        own[part_of(*v, parts)].1.push(place);
+        own[part_of(*v)].1.push(place);
     }
     let alike = alike(&own, parts);
-    for (surface, _) in own.iter_mut().filter(|(surface, _)| surface.is_empty()) {
-        *surface = triangles.to_vec();
-    }
+    let without = own.iter_mut().filter(|(surface, _)| surface.is_empty());
+    let left_out = without.flat_map(|(_, places)| std::mem::take(places));
+    let left_out = left_out.collect();
     own.extend(alike);
+    own.push((triangles.to_vec(), left_out));
     own.retain(|(_, places)| !places.is_empty());
     own
 }
@@ -154,10 +158,14 @@ fn alike(own: &[Search], parts: &[Part]) -> Vec<Search> {
     (0..shown.len()).filter_map(of_first).map(joined).collect()
 }
 
-/// Part of a vertex; the number of parts if it belongs to none.
-fn part_of(vertex: u32, parts: &[Part]) -> usize {
-    let is_in = |p: &Part| p.vertices.contains(&(vertex as usize));
-    parts.iter().position(is_in).unwrap_or(parts.len())
+/// The part of each vertex, the first of several; the number of parts if it belongs to none.
+fn parts_of_vertices(parts: &[Part]) -> Vec<usize> {
+    let end = parts.iter().map(|part| part.vertices.end).max();
+    let mut of_vertex = vec![parts.len(); end.unwrap_or(0)];
+    for (index, part) in parts.iter().enumerate().rev() {
+        of_vertex[part.vertices.clone()].fill(index);
+    }
+    of_vertex
 }
 
 /// Takes the closest point in one pose if its maximum distance over all poses is smaller than that
