@@ -720,6 +720,15 @@ mod tests {
         }
     }
 
+    /// Twice the area of a triangle.
+    fn area(p: &[[f64; 2]]) -> f64 {
+        let (u, v) = (
+            [p[1][0] - p[0][0], p[1][1] - p[0][1]],
+            [p[2][0] - p[0][0], p[2][1] - p[0][1]],
+        );
+        (u[0] * v[1] - u[1] * v[0]).abs()
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(60))]
 
@@ -776,16 +785,13 @@ mod tests {
                 // A little after each half frame: boundaries themselves depend on the digits.
                 let frame = f64::from(half) / 2.0 + 0.01;
                 let svg = moving.at(frame / 25.0).unwrap();
-                let area = |p: &Vec<[f64; 2]>| {
-                    p.len() == 3 && {
-                        let (u, v) = (
-                            [p[1][0] - p[0][0], p[1][1] - p[0][1]],
-                            [p[2][0] - p[0][0], p[2][1] - p[0][1]],
-                        );
-                        (u[0] * v[1] - u[1] * v[0]).abs() > 1.0
-                    }
-                };
-                let is_seen = seen(&svg).iter().any(area);
+                let outline = shape.outline.at(frame);
+                let own: Vec<[f64; 2]> = outline.chunks(2).map(|p| [p[0], p[1]]).collect();
+                // A triangle that turns over has little area to be seen by; corners at borders are rounded.
+                if area(&own) < 300.0 {
+                    continue;
+                }
+                let is_seen = seen(&svg).iter().any(|p| p.len() == 3 && area(p) > 1.0);
                 prop_assert_eq!(is_seen, shape.is_shown_at(frame), "{} {}", half, text);
             }
         }
