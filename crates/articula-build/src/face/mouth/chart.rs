@@ -104,7 +104,7 @@ pub(super) fn node(column: usize, row: usize) -> Vec2 {
 }
 
 impl MouthChart {
-    /// The chart of a head. `None` if its feature points lie in a plane.
+    /// The chart of a head. `None` if its feature points lie in a plane, or the tip of the nose (9.3) is not among them.
     pub fn new(surface: &FaceSurface, points: &FacePoints) -> Option<Self> {
         let warp = to_template(points)?;
         let unrolled = Unrolled::of_template();

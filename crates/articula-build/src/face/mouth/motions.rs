@@ -72,7 +72,7 @@ impl MouthMotions {
     }
 
     /// The motions that a head shows, with the mean of both sides; those of blend shapes that it does not have rest. `None`
-    /// if its feature points lie in a plane.
+    /// if its feature points lie in a plane, or the tip of the nose (9.3) is not among them.
     pub fn measured(surface: &FaceSurface, points: &FacePoints) -> Option<Self> {
         let chart = MouthChart::new(surface, points)?;
         let fits = measure::fits(&chart);
