@@ -11,7 +11,9 @@ const [PUBLIC, HUMAN, MANNEQUIN] = ['', 'human.glb', 'mannequin.glb'].map((name)
 
 const given = process.env.ARTICULA;
 const programs = given === undefined ? ['release', 'debug'].map((kind) => join(ROOT, 'target', kind, 'articula')) : [given];
-const program = programs.find((path) => existsSync(path));
+const timeOf = (path) => statSync(path).mtimeMs;
+// The newest: a release program may be of before.
+const program = programs.filter((path) => existsSync(path)).sort((a, b) => timeOf(b) - timeOf(a))[0];
 const isHere = [HUMAN, MANNEQUIN].every((path) => existsSync(path));
 const quiet = { stdio: ['ignore', 'ignore', 'inherit'] };
 if (program === undefined) {
@@ -19,7 +21,7 @@ if (program === undefined) {
     console.error(`studio: no program at ${programs.join(' or ')}; run cargo build --release -p articula-cli, or name it in ARTICULA`);
     process.exit(1);
   }
-} else if (!isHere || statSync(HUMAN).mtimeMs < statSync(program).mtimeMs) {
+} else if (!isHere || timeOf(HUMAN) < timeOf(program)) {
   const folder = mkdtempSync(join(tmpdir(), 'articula-studio-'));
   try {
     const human = join(folder, 'human.glb');

@@ -10,6 +10,10 @@ const WORTH: f32 = 0.88;
 const DRAWS: usize = 60;
 const SOURCES: usize = 2;
 
+/// Levels that are kept however many draws they are: without any between the full character and the coarsest, a
+/// crowd of a character with 14 materials would draw five times as many triangles.
+const LEAST_LEVELS: usize = 6;
+
 /// Ratio of successive tolerances: a quarter of an octave.
 const STEP: f32 = 1.189_207_1;
 
@@ -76,7 +80,7 @@ pub(super) fn choose(
         tolerance *= STEP;
     }
     let draws = |chain: &[Candidate]| SOURCES * chain.iter().map(|c| c.materials).sum::<usize>();
-    while chain.len() > most.max(1) || chain.len() > 2 && draws(&chain) > DRAWS {
+    while chain.len() > most.max(1) || chain.len() > LEAST_LEVELS && draws(&chain) > DRAWS {
         let inner = 1..chain.len() - 1;
         let worth = |i: usize| saved(&chain[i - 1..=i + 1], far_metres);
         match inner.min_by(|a, b| worth(*a).total_cmp(&worth(*b)).then(a.cmp(b))) {
@@ -204,6 +208,23 @@ mod tests {
         );
         assert_eq!(sizes(&choose(all, (1e-3, 0.1), 0)), [wanted[0]]);
         assert!(choose(Vec::new(), (1e-3, 0.1), 9).is_empty());
+    }
+
+    #[test]
+    fn many_materials_leave_levels_between_the_finest_and_the_coarsest() {
+        let of_materials = |materials: usize| -> Vec<Candidate> {
+            let halved = |i: u32| Candidate {
+                materials,
+                ..candidate(100 >> i, 1024 >> i, 4, ((1 << i) - 1) as f32)
+            };
+            (0..7).map(halved).collect()
+        };
+        let levels = |materials| choose(of_materials(materials), (1e-3, 0.1), 16).len();
+        assert_eq!(levels(1), 7);
+        assert_eq!(levels(4), 7, "56 draws");
+        assert_eq!(levels(5), 6, "70 and 60 draws");
+        assert_eq!(levels(40), LEAST_LEVELS);
+        assert_eq!(choose(of_materials(40), (1e-3, 0.1), 3).len(), 3);
     }
 
     #[test]

@@ -66,7 +66,7 @@ impl FigureLevels {
 /// mesh level over the vertices of the asset's mesh, the original first. `poses` are positions of
 /// all vertices, the rest pose first; they determine which point of a level corresponds to which
 /// vertex ([`attach`]). Tolerances start at `opts.first_metres` and grow by a quarter of an octave; there
-/// are at most eight levels more than `opts.max_levels`, and fewer where a level has many materials.
+/// are at most eight levels more than `opts.max_levels`, and fewer, down to six, where a level has many materials.
 ///
 /// # Errors
 /// A [`Mismatch`] if an argument belongs to another character, or a level has no triangle.
