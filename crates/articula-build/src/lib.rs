@@ -124,7 +124,7 @@ pub use simplify_within::{SimplifiedWithin, simplify_within};
 pub use source_hash::{SourceHash, hash_bytes, rig_hash};
 pub use split_mix::SplitMix;
 pub use surface_distance::{
-    DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
+    Borders, DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
 };
 pub use surface_error::{ChangedTriangles, greatest_surface_error};
 pub use vertex_error::{PosedVertices, ReferenceClip, greatest_vertex_error};

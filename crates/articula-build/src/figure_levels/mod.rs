@@ -17,7 +17,7 @@ use crate::character::Asset;
 use crate::influences::limit;
 use crate::joint_lods::{self, JointLodOptions, MAX_FRAMES, MergedLevels, Tally, Watched, rising};
 use crate::simplify::extent;
-use crate::surface_distance::{SkinPoint, attach};
+use crate::surface_distance::{Borders, SkinPoint, attach};
 use articula_core::{
     ClipLodErrors, FigureLevel, JointLods, LevelSkin, LevelSkins, LocalPose, LodErrors, Mesh,
     Mismatch, PaletteMap, lod_error_metres,
@@ -81,9 +81,16 @@ pub fn figure_levels(
     let mesh = &asset.mesh;
     let some = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
     let some = some.of_triangles(&mesh.triangles);
+    let borders = Borders::of(mesh, &poses[0]);
     let points_of = |watched: &Watched, level: usize| match level {
         0 => watched.vertices.iter().map(|v| SkinPoint::at(*v)).collect(),
-        _ => attach(mesh_levels[level], &watched.vertices, poses, &mesh.parts),
+        _ => attach(
+            mesh_levels[level],
+            &watched.vertices,
+            poses,
+            &mesh.parts,
+            &borders,
+        ),
     };
     let levels = 0..mesh_levels.len();
     let points: Vec<Vec<SkinPoint>> = levels.map(|l| points_of(&some, l)).collect();

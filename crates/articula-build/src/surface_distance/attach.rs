@@ -3,8 +3,11 @@
 //! The closest point at rest may lie on another part of the body: on the other lip, or on the arm
 //! beside the hip. Therefore the closest point is looked for again in the pose in which the one found last is
 //! farthest, as long as the maximum distance over all poses falls. Points lie on the same part of the mesh or on one of the same
-//! material, which looks alike: a buckle that is left out is where the belt is.
+//! material, which looks alike: a buckle that is left out is where the belt is. Where a stripe is left out in part, its
+//! border has moved, by half of its width and not by the length that is missing: a point at the border of the material, on whatever
+//! surface is there, is as good.
 
+use super::borders::Borders;
 use super::skin_point::SkinPoint;
 use super::tree::SurfaceTree;
 use articula_core::Part;
@@ -12,8 +15,9 @@ use glam::Vec3;
 
 /// Returns, for each of the given vertices of the original, the corresponding point of a level's
 /// surface: on the same part of the mesh or on another of its material, if the level has triangles of that
-/// part, else on any. A vertex without a finite distance to the level corresponds to itself. `poses` are positions of all vertices;
-/// without any, all vertices correspond to themselves. O(rounds · vertices · (poses +
+/// part, else on any; or the point of any that is closest to the nearest border of its material, if that is closer. A
+/// vertex without a finite distance to the level corresponds to itself. `poses` are positions of all vertices;
+/// without any, all vertices correspond to themselves. `borders` are those of the original. O(rounds · vertices · (poses +
 /// log(triangles)) + poses · triangles).
 ///
 /// # Panics
@@ -23,33 +27,100 @@ pub fn attach(
     vertices: &[u32],
     poses: &[Vec<Vec3>],
     parts: &[Part],
+    borders: &Borders,
 ) -> Vec<SkinPoint> {
-    let mut found: Vec<SkinPoint> = vertices.iter().map(|v| SkinPoint::at(*v)).collect();
-    let Some(rest) = poses.first() else {
+    let found = vertices.iter().map(|v| SkinPoint::at(*v)).collect();
+    if poses.is_empty() {
         return found;
-    };
+    }
     let tracks = Tracks::of(poses);
-    let mut least = vec![Farthest::default(); vertices.len()];
+    let mut attached = Attached {
+        vertices,
+        poses,
+        tracks,
+        least: vec![Farthest::default(); vertices.len()],
+        found,
+    };
     for (surface, places) in searches(triangles, vertices, parts) {
-        let mut tree = SurfaceTree::new(&surface, rest);
-        let mut open: Vec<(usize, usize)> = places.iter().map(|p| (least[*p].pose, *p)).collect();
+        let own = places.iter().map(|place| (*place, vertices[*place]));
+        attached.look(&surface, own.collect());
+    }
+    let at_borders = attached.at_borders(parts, borders);
+    attached.look(triangles, at_borders);
+    attached.found
+}
+
+/// Vertices and the points found so far.
+struct Attached<'a> {
+    vertices: &'a [u32],
+    poses: &'a [Vec<Vec3>],
+    tracks: Tracks,
+    least: Vec<Farthest>,
+    found: Vec<SkinPoint>,
+}
+
+impl Attached<'_> {
+    /// Looks for closer points on a surface: for vertices, by their places, those that are closest to other vertices.
+    fn look(&mut self, surface: &[[u32; 3]], places: Vec<(usize, u32)>) {
+        if places.is_empty() {
+            return;
+        }
+        let mut tree = SurfaceTree::new(surface, &self.poses[0]);
+        let pose_of = |least: &[Farthest], place: usize| least[place].pose;
+        let of_place = |(place, to)| (pose_of(&self.least, place), place, to);
+        let mut open: Vec<(usize, usize, u32)> = places.into_iter().map(of_place).collect();
         for _ in 0..ROUNDS {
             open.sort_unstable();
             let mut again = Vec::new();
             for group in open.chunk_by(|a, b| a.0 == b.0) {
                 let pose = group[0].0;
-                tree.refit(&poses[pose]);
-                for (_, place) in group {
-                    let point = (&mut least[*place], &mut found[*place]);
-                    if nearer(&tree, vertices[*place], (&poses[pose], &tracks), point) {
-                        again.push((least[*place].pose, *place));
+                tree.refit(&self.poses[pose]);
+                for (_, place, to) in group {
+                    if self.take_nearer(&tree, *place, *to, pose) {
+                        again.push((pose_of(&self.least, *place), *place, *to));
                     }
                 }
             }
             open = again;
         }
     }
-    found
+
+    /// Takes the point that is closest to a vertex in one pose if its maximum distance over all poses is smaller than that
+    /// of the point so far.
+    fn take_nearer(&mut self, tree: &SurfaceTree, place: usize, to: u32, pose: usize) -> bool {
+        let pose = &self.poses[pose];
+        let at = pose[to as usize];
+        let least = self.least[place].squared;
+        if least == 0.0 || !at.is_finite() {
+            return false;
+        }
+        let Some(found) = tree.closest_point(at, pose) else {
+            return false;
+        };
+        match self.tracks.farthest(&found, self.vertices[place], least) {
+            Some(farthest) => {
+                (self.least[place], self.found[place]) = (farthest, found);
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// The places of vertices that are farther from their points than from the border of their material, and the nearest
+    /// vertex on that.
+    fn at_borders(&self, parts: &[Part], borders: &Borders) -> Vec<(usize, u32)> {
+        let of_vertex = parts_of_vertices(parts);
+        let rest = &self.poses[0];
+        let border = |(place, v): (usize, &u32)| {
+            let part = parts.get(*of_vertex.get(*v as usize)?)?;
+            let (vertex, squared) = borders.nearest(part.material, rest[*v as usize], rest)?;
+            let least = self.least[place].squared;
+            (least.is_finite() && squared < least).then_some((place, vertex))
+        };
+        let is_off = |(place, _): &(usize, &u32)| self.least[*place].squared > 0.0;
+        let all = self.vertices.iter().enumerate().filter(is_off);
+        all.filter_map(border).collect()
+    }
 }
 
 /// How often the pose in which a point is farthest is looked at.
@@ -168,34 +239,11 @@ fn parts_of_vertices(parts: &[Part]) -> Vec<usize> {
     of_vertex
 }
 
-/// Takes the closest point in one pose if its maximum distance over all poses is smaller than that
-/// of the point so far.
-fn nearer(
-    tree: &SurfaceTree,
-    vertex: u32,
-    (pose, tracks): (&[Vec3], &Tracks),
-    (least, point): (&mut Farthest, &mut SkinPoint),
-) -> bool {
-    let at = pose[vertex as usize];
-    if least.squared == 0.0 || !at.is_finite() {
-        return false;
-    }
-    let Some(found) = tree.closest_point(at, pose) else {
-        return false;
-    };
-    match tracks.farthest(&found, vertex, least.squared) {
-        Some(farthest) => {
-            (*least, *point) = (farthest, found);
-            true
-        }
-        None => false,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::surface_distance::corners;
+    use articula_core::Mesh;
 
     #[test]
     fn the_other_lip_is_closer_at_rest_but_not_for_long() {
@@ -211,7 +259,13 @@ mod tests {
         for upper in &mut open[..4] {
             upper.y += 0.1;
         }
-        let alone = attach(&level, &[3, 0], std::slice::from_ref(&rest), &[]);
+        let alone = attach(
+            &level,
+            &[3, 0],
+            std::slice::from_ref(&rest),
+            &[],
+            &Borders::default(),
+        );
         assert_eq!(
             alone[0].corners,
             [4, 5, 6],
@@ -222,7 +276,13 @@ mod tests {
             rest[0],
             "a corner of the level is itself"
         );
-        let both = attach(&level, &[3], &[rest.clone(), open.clone()], &[]);
+        let both = attach(
+            &level,
+            &[3],
+            &[rest.clone(), open.clone()],
+            &[],
+            &Borders::default(),
+        );
         assert_eq!(both[0].corners, [0, 1, 2]);
         // The lower sheet as a part of another material is ignored, except for a part without triangles.
         let part = |vertices, material| Part {
@@ -233,14 +293,38 @@ mod tests {
             triangles: 0..0,
         };
         let mut sheets = [part(0..4, Some(0)), part(4..7, None)];
-        let apart = attach(&level, &[3], std::slice::from_ref(&rest), &sheets);
+        let apart = attach(
+            &level,
+            &[3],
+            std::slice::from_ref(&rest),
+            &sheets,
+            &Borders::default(),
+        );
         assert_eq!(apart[0].corners, [0, 1, 2]);
-        let gone = attach(&level[1..], &[3], std::slice::from_ref(&rest), &sheets);
+        let gone = attach(
+            &level[1..],
+            &[3],
+            std::slice::from_ref(&rest),
+            &sheets,
+            &Borders::default(),
+        );
         assert_eq!(gone[0].corners, [4, 5, 6]);
         sheets[1].material = Some(0);
-        let alike = attach(&level, &[3], std::slice::from_ref(&rest), &sheets);
+        let alike = attach(
+            &level,
+            &[3],
+            std::slice::from_ref(&rest),
+            &sheets,
+            &Borders::default(),
+        );
         assert_eq!(alike[0].corners, [4, 5, 6], "of one material");
-        let in_motion = attach(&level, &[3], &[rest.clone(), open.clone()], &sheets);
+        let in_motion = attach(
+            &level,
+            &[3],
+            &[rest.clone(), open.clone()],
+            &sheets,
+            &Borders::default(),
+        );
         assert_eq!(in_motion[0].corners, [0, 1, 2]);
         let few = corners(&alone);
         assert_eq!(few, [0, 1, 2, 4, 5, 6]);
@@ -251,16 +335,74 @@ mod tests {
     }
 
     #[test]
+    fn a_stripe_of_which_one_end_is_left_is_off_by_half_of_its_width() {
+        // A stripe of 2 cm and eleven columns lies 1 mm above a sheet of a metre; the level has its first square alone.
+        let corner = |x: u32, y: f32| Vec3::new(0.1 * x as f32, y, 0.001);
+        let rows = [-0.01, 0.0, 0.01];
+        let mut rest: Vec<Vec3> = (0..11).flat_map(|x| rows.map(|y| corner(x, y))).collect();
+        let quad = |a: u32, b: u32| [[a, a + 1, b + 1], [a, b + 1, b]];
+        let columns = (0..10).map(|x| 3 * x);
+        let stripe: Vec<[u32; 3]> = columns
+            .flat_map(|a| [quad(a, a + 3), quad(a + 1, a + 4)].concat())
+            .collect();
+        rest.extend(
+            [[0.0, -0.5], [1.0, -0.5], [1.0, 0.5], [0.0, 0.5]].map(|[x, y]| Vec3::new(x, y, 0.0)),
+        );
+        let sheet = [[33, 34, 35], [33, 35, 36]];
+        let part = |material, vertices, triangles| Part {
+            name: String::new(),
+            mesh: 0,
+            material: Some(material),
+            vertices,
+            triangles,
+        };
+        let mesh = Mesh {
+            positions: rest.clone(),
+            triangles: [&stripe[..], &sheet].concat(),
+            parts: vec![part(0, 0..33, 0..40), part(1, 33..37, 40..42)],
+            ..Mesh::default()
+        };
+        let level = [&stripe[..4], &sheet].concat();
+        let borders = Borders::of(&mesh, &rest);
+        let distance = |v: u32, borders: &Borders| {
+            let found = attach(
+                &level,
+                &[v],
+                std::slice::from_ref(&rest),
+                &mesh.parts,
+                borders,
+            );
+            found[0].posed(&rest).distance(rest[v as usize])
+        };
+        // The middle of the eighth column.
+        assert!((distance(22, &Borders::default()) - 0.6).abs() < 1e-6);
+        assert!((distance(22, &borders) - 0.01f32.hypot(0.001)).abs() < 1e-6);
+        // A corner of the end is at the border already.
+        assert!((distance(30, &borders) - 0.001).abs() < 1e-6);
+        // The sheet is as it was.
+        assert_eq!(distance(33, &borders), 0.0);
+    }
+
+    #[test]
     fn nothing_to_stand_on() {
         let points = vec![Vec3::ZERO, Vec3::NAN];
         assert_eq!(
-            attach(&[], &[0], std::slice::from_ref(&points), &[]),
+            attach(
+                &[],
+                &[0],
+                std::slice::from_ref(&points),
+                &[],
+                &Borders::default()
+            ),
             [SkinPoint::at(0)]
         );
         assert_eq!(
-            attach(&[[0, 0, 0]], &[1], &[points], &[]),
+            attach(&[[0, 0, 0]], &[1], &[points], &[], &Borders::default()),
             [SkinPoint::at(1)]
         );
-        assert_eq!(attach(&[], &[7], &[], &[]), [SkinPoint::at(7)]);
+        assert_eq!(
+            attach(&[], &[7], &[], &[], &Borders::default()),
+            [SkinPoint::at(7)]
+        );
     }
 }

@@ -11,6 +11,7 @@
 //! of these.
 
 mod attach;
+mod borders;
 mod bounds;
 mod four_triangles;
 mod greatest;
@@ -23,6 +24,7 @@ mod slow;
 mod tree;
 
 pub use attach::attach;
+pub use borders::Borders;
 pub(crate) use greatest::{TwoSurfaces, greatest_distances};
 pub(crate) use skin_point::corners;
 pub use skin_point::{SkinPoint, compact};

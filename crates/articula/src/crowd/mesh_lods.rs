@@ -6,7 +6,7 @@ use crate::figure::Figure;
 use crate::mesh_levels;
 use crate::mesh_levels::MeshLevelOptions;
 use crate::prepared::stored::Stored;
-use articula_build::{Asset, JointLodOptions, MergedLevels, SkinPoint, attach, compact};
+use articula_build::{Asset, Borders, JointLodOptions, MergedLevels, SkinPoint, attach, compact};
 use articula_build::{PoseOptions, figure_levels, paired_levels, poses, positions};
 use articula_core::{FigureLevel, Mesh};
 use glam::Vec3;
@@ -128,7 +128,8 @@ impl MeshLods {
             // Poses cannot fail for an asset whose levels were made.
             _ => return Watch::plain(vertices),
         };
-        let points = attach(&mesh.triangles, vertices, poses, &mesh.parts);
+        let borders = Borders::of(&asset.mesh, &poses[0]);
+        let points = attach(&mesh.triangles, vertices, poses, &mesh.parts, &borders);
         let (vertices, points) = compact(&points);
         Watch {
             points: Some(points),
