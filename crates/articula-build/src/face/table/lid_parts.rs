@@ -10,8 +10,9 @@ use std::collections::BTreeMap;
 const NEAR: std::ops::Range<f32> = 0.95..1.4;
 /// Shares of the opening of the skin that it covers: a shell or a film of tears covers all or a little of it.
 const COVERS: std::ops::Range<f32> = 0.12..0.9;
-/// Least height of it, by that radius: a film of tears between lids is lower.
+/// Least height of it, and least distance of its outer side, by that radius: a film of tears is lower, or lies on the eye.
 const TALL: f32 = 0.5;
+const THICK: f32 = 1.07;
 
 /// The triangles of the lids of an eye that are parts of their own. `look` shows the skin without them, and `region`
 /// the cells of its opening.
@@ -34,7 +35,9 @@ pub(super) fn lid_parts(
         let [low, high] = heights.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], y| {
             [low.min(y), high.max(y)]
         });
-        if high - low < TALL * radius || !vertices().all(is_near) {
+        let reaches = |v: &u32| at(*v).distance(shape.centre) > THICK * radius;
+        let is_sheet = high - low > TALL * radius && vertices().any(reaches);
+        if !is_sheet || !vertices().all(is_near) {
             return false;
         }
         let corners = part.iter().map(|t| t.map(at));

@@ -119,8 +119,7 @@ impl EyeView {
                 && low.truncate().cmple(most).all()
                 && high.z > shape.centre.z - BEHIND * height
         };
-        let skin = points.parts.skin.iter().filter(is_near);
-        let lids = skin.filter(|t| !is_layer(t)).copied().collect();
+        let lids = points.parts.skin.iter().filter(is_near).copied().collect();
         let ball: Vec<[u32; 3]> = match points.eyeballs() {
             Some(balls) => {
                 let is_ball = |t: &&[u32; 3]| t.iter().all(|v| balls[eye].binary_search(v).is_ok());
@@ -140,7 +139,15 @@ impl EyeView {
             socket: None,
             height,
         };
-        let (look, region) = view.at_rest(&at)?;
+        let (look, region) = view.at_rest(&at).or_else(|none| {
+            // The skin may have a layer on the eyeball, such as a shell that paints the shadow of the lids.
+            let all = view.lids.len();
+            view.lids.retain(|t| !is_layer(t));
+            if view.lids.len() == all {
+                return Err(none);
+            }
+            view.at_rest(&at)
+        })?;
         let parts = lid_parts(surface, points, shape, &look, &region);
         if parts.is_empty() {
             let opening = view.opening(&look, &region, &at);

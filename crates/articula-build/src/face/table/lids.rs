@@ -18,8 +18,10 @@ const WITH_RIM: [f32; 2] = [0.02, 0.085];
 const WITH_OPENING: [f32; 2] = [0.15, 0.8];
 /// What is nearer to the inside of a socket, seen at rest, than to the rim by this factor, rests.
 const INSIDE: f32 = 1.5;
-/// Width over which the heights of an opening are smoothed, by height of the face.
-const SMOOTHED: f32 = 6e-3;
+/// Widths over which the heights of an opening are smoothed, at the rims and away from them, by height of the face, and
+/// the distance from a rim of the latter.
+const SMOOTHED: [f32; 2] = [6e-3, 0.045];
+const AWAY: f32 = 0.035;
 /// Distance of lids from the eyeball, by height of the face: 0.27 mm on an average one.
 const CLEAR: f32 = 2e-3;
 /// Skin up to this distance from the centre of an eye, by its radius, stays outside of it.
@@ -78,8 +80,8 @@ pub(super) struct Heights {
     pub(super) step: f32,
     /// Heights of the upper and the lower rim.
     rims: Vec<[f32; 2]>,
-    /// How far a lid goes to the other one.
-    ways: Vec<f32>,
+    /// How far a lid goes to the other one, at its rim and away from it.
+    ways: [Vec<f32>; 2],
     /// What the upper and the lower lid go in addition when the eye is closed.
     pub(super) more: [Vec<f32>; 2],
 }
@@ -90,14 +92,22 @@ pub(super) struct LidVertex {
     pub(super) vertex: u32,
     /// Row of the skin; `None` for lids that are parts of their own.
     row: Option<usize>,
-    /// 0 for the upper lid, 1 for the lower one.
-    pub(super) side: usize,
-    /// How much it goes with the rim.
-    share: f32,
+    going: Going,
     /// Whether it is of the rim itself.
     pub(super) is_rim: bool,
     /// How far it comes forward when the eye is closed, metres.
     pub(super) forward: f32,
+}
+
+/// How a place goes with a lid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Going {
+    /// 0 for the upper lid, 1 for the lower one.
+    side: usize,
+    /// How much it goes with the rim.
+    share: f32,
+    /// 0 at the rim, 1 away from it.
+    away: f32,
 }
 
 /// A vertex that turns about the middle of the eye as the lid does.
@@ -124,28 +134,50 @@ pub(super) struct LidInput<'a> {
     pub(super) closed: f32,
 }
 
+impl Going {
+    fn of_rim(side: usize) -> Self {
+        Self {
+            side,
+            share: 1.0,
+            away: 0.0,
+        }
+    }
+}
+
+impl LidVertex {
+    /// 0 for the upper lid, 1 for the lower one.
+    pub(super) fn side(&self) -> usize {
+        self.going.side
+    }
+}
+
 impl Heights {
     fn of(opening: &Opening, height: f32) -> Self {
         let step = opening.grid.step;
         let count = opening.rims.len();
         // Beyond the corners nothing is open, and a little further still what is smoothed is.
-        let beside = (2.0 * SMOOTHED * height / step).ceil() as usize;
-        let width = (0.5 * SMOOTHED * height / step).max(1.0);
+        let beside = (SMOOTHED[1] * height / step).ceil() as usize;
         let open = |i: isize| match usize::try_from(i - beside as isize) {
             Ok(i) if i < count => opening.rims[i][0] - opening.rims[i][1],
             _ => 0.0,
         };
         let all = count + 2 * beside;
-        let ways = (0..all as isize).map(|i| {
-            let reach = (2.0 * width).ceil() as isize;
-            let (mut sum, mut weights) = (0.0, 0.0);
-            for j in -reach..=reach {
-                let weight = smooth(1.0 - (j as f32 / (2.0 * width)).abs());
-                sum += weight * open(i + j);
-                weights += weight;
-            }
-            open(i).max(sum / weights)
-        });
+        let smoothed = |over: f32| -> Vec<f32> {
+            let width = (over * height / step).max(2.0);
+            let reach = width.ceil() as isize;
+            let weights = (-reach..=reach).map(|j| smooth(1.0 - (j as f32 / width).abs()));
+            let weights: Vec<f32> = weights.collect();
+            let sum: f32 = weights.iter().sum();
+            let at = |i: isize| {
+                let open = (-reach..=reach).map(|j| open(i + j));
+                open.zip(&weights).map(|(o, w)| o * w).sum::<f32>() / sum
+            };
+            (0..all as isize).map(at).collect()
+        };
+        let [mut near, away] = SMOOTHED.map(smoothed);
+        for (i, way) in near.iter_mut().enumerate() {
+            *way = way.max(open(i as isize));
+        }
         let rims = (0..all).map(|i| {
             let known = i.saturating_sub(beside).min(count - 1);
             opening.rims[known]
@@ -154,7 +186,7 @@ impl Heights {
             low: opening.grid.low.x + (opening.first as f32 - beside as f32) * step,
             step,
             rims: rims.collect(),
-            ways: ways.collect(),
+            ways: [near, away],
             more: [vec![0.0; all], vec![0.0; all]],
         }
     }
@@ -162,17 +194,20 @@ impl Heights {
     /// The steps before and after a place, and how far it is between them.
     fn between(&self, x: f32) -> Option<(usize, usize, f32)> {
         let at = (x - self.low) / self.step;
-        let last = self.ways.len() as f32 - 1.0;
+        let last = self.rims.len() as f32 - 1.0;
         (0.0..last).contains(&at).then(|| {
             let index = at as usize;
             (index, index + 1, at - index as f32)
         })
     }
 
-    fn way(&self, x: f32) -> f32 {
-        self.between(x).map_or(0.0, |(a, b, t)| {
-            self.ways[a] + t * (self.ways[b] - self.ways[a])
-        })
+    /// Way of a lid at a place, 0 to 1 away from its rim.
+    fn way(&self, x: f32, away: f32) -> f32 {
+        let Some((a, b, t)) = self.between(x) else {
+            return 0.0;
+        };
+        let [near, far] = self.ways.each_ref().map(|w| w[a] + t * (w[b] - w[a]));
+        near + away * (far - near)
     }
 
     fn more(&self, side: usize, x: f32) -> f32 {
@@ -186,12 +221,12 @@ impl Heights {
         let (a, b, t) = self.between(x)?;
         let [top, bottom] = [0, 1]
             .map(|side: usize| self.rims[a][side] + t * (self.rims[b][side] - self.rims[a][side]));
-        (self.ways[a] > 0.0).then_some([top, bottom])
+        (self.ways[0][a] > 0.0).then_some([top, bottom])
     }
 
     /// The tallest place.
     pub(super) fn most(&self) -> f32 {
-        self.ways.iter().copied().fold(0.0, f32::max)
+        self.ways[0].iter().copied().fold(0.0, f32::max)
     }
 }
 
@@ -223,13 +258,13 @@ impl EyeLids {
         }
         let shape = shape.or_behind(rims(), CLEAR * height);
         let vertices = lid_vertices(input, &view, &opening, heights.most());
-        if (0..2).any(|side| !vertices.iter().any(|v| v.side == side)) {
+        if (0..2).any(|side| !vertices.iter().any(|v| v.going.side == side)) {
             return Err(NoLids::NoRim);
         }
         let most = heights.most();
         let gap = |point: PointId| {
             let vertex = points.get(point).and_then(|p| p.vertex);
-            let way = vertex.map_or(0.0, |v| heights.way(surface.positions[v as usize].x));
+            let way = vertex.map_or(0.0, |v| heights.way(surface.positions[v as usize].x, 0.0));
             if way > 0.25 * most { way } else { most }
         };
         let mut lids = Self {
@@ -337,7 +372,8 @@ impl EyeLids {
         }
         for (vertex, part) in &self.between {
             let v = *vertex as usize;
-            let [upper, lower] = [0, 1].map(|side| self.way(side, positions[v], 1.0, shares));
+            let [upper, lower] =
+                [0, 1].map(|side| self.way(Going::of_rim(side), positions[v], shares));
             moved[v] = upper.lerp(lower, *part);
         }
     }
@@ -365,14 +401,15 @@ impl EyeLids {
     /// How a vertex of a lid moves.
     fn motion(&self, lid: &LidVertex, positions: &[Vec3], shares: [f32; 2]) -> Vec3 {
         let place = positions[lid.vertex as usize];
-        let way = self.way(lid.side, place, lid.share, shares);
+        let way = self.way(lid.going, place, shares);
         way + whole(shares) * lid.forward * Vec3::Z
     }
 
-    /// The way of a place that goes with a lid by a share, on a circle about the middle of the eye.
-    fn way(&self, side: usize, place: Vec3, share: f32, shares: [f32; 2]) -> Vec3 {
+    /// The way of a place that goes with a lid, on a circle about the middle of the eye.
+    fn way(&self, going: Going, place: Vec3, shares: [f32; 2]) -> Vec3 {
+        let Going { side, share, away } = going;
         let down = [1.0, -1.0][side];
-        let way = shares[side] * self.heights.way(place.x);
+        let way = shares[side] * self.heights.way(place.x, away);
         let more = whole(shares) * self.heights.more(side, place.x);
         let y = -down * share * (way + more);
         let from = place - self.shape.centre;
@@ -431,8 +468,11 @@ fn lid_vertices(
         (share > 0.0).then_some(LidVertex {
             vertex,
             row: input.vertices.binary_search(&vertex).ok(),
-            side: usize::from(lower[v] < upper[v]),
-            share,
+            going: Going {
+                side: usize::from(lower[v] < upper[v]),
+                share,
+                away: smooth(away / (AWAY * input.height)),
+            },
             is_rim: away < OF_RIM * input.height,
             forward: 0.0,
         })
@@ -460,11 +500,11 @@ mod tests {
     fn eye() -> EyeLids {
         let all = rims();
         let heights: Vec<[f32; 2]> = (0..9).map(|i| [all[i].y, all[9 + i].y]).collect();
+        let ways: Vec<f32> = heights.iter().map(|[top, bottom]| top - bottom).collect();
         let vertex = |v: usize| LidVertex {
             vertex: v as u32,
             row: Some(v),
-            side: v / 9,
-            share: 1.0,
+            going: Going::of_rim(v / 9),
             is_rim: true,
             forward: 0.0,
         };
@@ -473,7 +513,7 @@ mod tests {
             heights: Heights {
                 low: -0.8,
                 step: 0.2,
-                ways: heights.iter().map(|[top, bottom]| top - bottom).collect(),
+                ways: [ways.clone(), ways],
                 more: [vec![0.0; 9], vec![0.0; 9]],
                 rims: heights,
             },
@@ -516,14 +556,22 @@ mod tests {
         let eye = eye();
         let place = rims()[4];
         // 0.4 m down: from 0.25 m above the middle to 0.15 m below.
-        let shut = eye.way(0, place, 1.0, [0.8, 0.0]);
+        let shut = eye.way(Going::of_rim(0), place, [0.8, 0.0]);
         assert!((shut.y + 0.4).abs() < 1e-6);
         assert!(((place + shut).yz().length() - place.yz().length()).abs() < 1e-6);
         // Half as near to the rim, it goes half of it; the other lid rests.
-        assert!((eye.way(0, place, 0.5, [0.8, 0.0]).y + 0.2).abs() < 1e-6);
-        assert_eq!(eye.way(1, rims()[13], 1.0, [0.8, 0.0]), Vec3::ZERO);
+        let half = Going {
+            share: 0.5,
+            ..Going::of_rim(0)
+        };
+        assert!((eye.way(half, place, [0.8, 0.0]).y + 0.2).abs() < 1e-6);
+        assert_eq!(
+            eye.way(Going::of_rim(1), rims()[13], [0.8, 0.0]),
+            Vec3::ZERO
+        );
         // Beyond the corners nothing is open.
-        assert_eq!(eye.way(0, Vec3::new(0.9, 0.1, 0.5), 1.0, [1.0, 0.0]).y, 0.0);
+        let beyond = Vec3::new(0.9, 0.1, 0.5);
+        assert_eq!(eye.way(Going::of_rim(0), beyond, [1.0, 0.0]).y, 0.0);
     }
 
     #[test]
@@ -574,7 +622,7 @@ mod tests {
         let rest = [root, root + 0.3 * root.normalize()];
         eye.vertices.truncate(1);
         eye.carried = vec![Carried { vertex: 1, by: 0 }];
-        let way = eye.way(0, root, 1.0, [1.0, 0.0]);
+        let way = eye.way(Going::of_rim(0), root, [1.0, 0.0]);
         let mut moved = [way; 2];
         eye.move_others([1.0, 0.0], &rest, &mut moved);
         let tip = rest[1] + moved[1];

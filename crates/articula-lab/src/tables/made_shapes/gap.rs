@@ -12,9 +12,10 @@ const WINDOW: f32 = 0.75;
 /// one that was not seen there at rest.
 const DEEP: f32 = 0.04;
 const INSIDE: f32 = 0.06;
-/// Distances of a lid that is a part of its own from the middle of the eyeball, by its radius, its least height, and the
-/// most of the opening that it covers.
+/// Distances of a lid that is a part of its own from the middle of the eyeball, by its radius, the least of its outer side,
+/// its least height, and the most of the opening that it covers.
 const ON_BALL: std::ops::Range<f32> = 0.95..1.4;
+const THICK: f32 = 1.07;
 const TALL: f32 = 0.5;
 const COVERS: f32 = 0.9;
 /// Outer and inner corner of each eye.
@@ -168,7 +169,9 @@ impl<'a> Eye<'a> {
             let covered = |cell: &usize| open[*cell] && view.depths[*cell] > ball.depths[*cell];
             let covered = (0..open.len()).filter(covered).count() as f32;
             let all = open.iter().filter(|open| **open).count() as f32;
-            high.y - low.y > TALL * radius && covered < COVERS * all
+            let mut vertices = part.iter().flatten();
+            let is_thick = vertices.any(|v| at(v).distance(middle) > THICK * radius);
+            is_thick && high.y - low.y > TALL * radius && covered < COVERS * all
         };
         let parts = pieces(&near.collect::<Vec<_>>()).into_iter();
         parts.filter(is_lid).flatten().collect()
