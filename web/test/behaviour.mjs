@@ -23,11 +23,78 @@ const detail = (kind, cache, list) => ({
   },
 });
 
+/** Pixels of an outline that may be off by more than the tolerance, in percent: the error is that of 95 % of a character. */
+const MOST_OFF = 5;
+
+const impostors = (kind) => ({
+  name: `impostors ${kind}`,
+  share: 'impostors',
+  call: ['impostors', [kind, KNIGHT, 'HumanArmature|Walking']],
+  async check({ views, tolerance, count, nearby, errorM, usual, tinted }, save) {
+    const faults = unless(tolerance < 5, `the tolerance is ${tolerance} px`);
+    for (const [i, { png, impostors, share, lost, added, means }] of views.entries()) {
+      await save(`${i}`, png);
+      const colours = means.map((mean) => mean.map((level) => level.toFixed(0)).join(' '));
+      console.log(`        ${lost.toFixed(2)} % lost, ${added.toFixed(2)} % added of ${share.toFixed(1)} %, colours ${colours.join(' and ')}, ${(100 * errorM).toFixed(1)} cm, ${tolerance.toFixed(1)} px`);
+      faults.push(
+        ...unless(impostors === count, `${impostors} of ${count} are impostors`),
+        ...unless(share > 2, `${share} % of the pixels show them`),
+        ...unless(lost < MOST_OFF && added < MOST_OFF, `${lost} % are lost, ${added} % added`),
+      );
+    }
+    return [
+      ...faults,
+      ...unless(nearby < count / 2, `nearby ${nearby} are impostors`),
+      ...unless(tinted[1] < 0.9 * usual[1] && tinted[0] > 0.98 * usual[0], `coloured red they are ${tinted}, else ${usual}`),
+    ];
+  },
+});
+
 export const BEHAVIOUR = [
+  ...['webgl', 'webgpu-webgl', 'webgpu'].map(impostors),
   ...['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) => [
     detail(kind, 'cpu', 'stepped'),
     detail(kind, 'gpu', 'records'),
   ]),
+  ...['webgl', 'webgpu-webgl', 'webgpu'].map((kind) => ({
+    name: `variants ${kind}`,
+    share: kind,
+    call: ['variants', [kind]],
+    async check({ percent, png, shown, variants, warnings, again, figure, unknown, changed }, save) {
+      await save('crowd', png);
+      console.log(`        ${percent.toFixed(3)} % differ, ${changed.toFixed(1)} % are others than usual, figure ${figure.toFixed(3)} %`);
+      return [
+        ...unless(percent < 0.5 && figure < 0.5, `${percent} % of the crowd differ, ${figure} % of the figure`),
+        ...unless(changed > 1 && shown > 2, `${changed} % change`),
+        ...unless(again === 0, `${again} % differ when variants are taken back`),
+        ...unless(variants.join() === 'usual,painted' && warnings.length === 0, `${variants}; ${warnings}`),
+        ...unless(unknown.includes('no variant "gold"'), unknown),
+      ];
+    },
+  })),
+  {
+    name: 'with WebGPU what changed is sent',
+    share: 'webgpu',
+    call: ['sentBytes', [KNIGHT, 'HumanArmature|Walking']],
+    check: ({ beside, matrices, matrixBytes }) => [
+      ...unless(matrices > 0, 'no palette is drawn'),
+      ...unless(beside.still === 0 && beside.fewer === 0, `beside palettes ${JSON.stringify(beside)} bytes are sent`),
+      // Those between two are sent too.
+      ...unless(beside.one === matrixBytes && beside.two === 3 * matrixBytes, JSON.stringify(beside)),
+    ],
+  },
+  {
+    name: 'roles decide who shows more',
+    share: 'plain',
+    call: ['roles', []],
+    check: ({ levels, raised, own, left, unknown }) => [
+      ...unless(levels[0] < levels[1] && levels[1] < levels[2], `levels ${levels}`),
+      // Levels change late, so that they do not flicker.
+      ...unless(raised < levels[2], `a role raised to 4 shows level ${raised} of ${levels}`),
+      ...unless(own < levels[1] && own <= left, `an importance of 16 shows level ${own} of ${levels}, then ${left}`),
+      ...unless(unknown.includes('no role "king"'), unknown),
+    ],
+  },
   {
     name: 'an object in a socket follows the joint',
     share: 'plain',

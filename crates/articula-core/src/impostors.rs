@@ -6,6 +6,10 @@
 
 use crate::Mismatch;
 
+/// Poses in a second of a clip's list, and intervals of it at most.
+const RATE_HZ: f32 = 60.0;
+const MAX_INTERVALS: usize = 599;
+
 /// Poses of one clip as impostors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClipImpostors {
@@ -15,6 +19,27 @@ pub struct ClipImpostors {
     /// Error in metres of skin: across the view of any eye, the larger of the 95th percentile over
     /// vertices and half of the maximum.
     pub error_metres: f32,
+}
+
+impl ClipImpostors {
+    /// Takes the time in seconds from which each pose is shown, ascending; the poses follow `first_pose`.
+    pub fn of_stretches(
+        first_pose: u32,
+        from_secs: &[f32],
+        duration_secs: f32,
+        error_metres: f32,
+    ) -> Self {
+        let intervals = ((duration_secs * RATE_HZ).ceil() as usize).min(MAX_INTERVALS);
+        let pose = |i: usize| {
+            let secs = duration_secs * i as f32 / intervals.max(1) as f32;
+            let begun = from_secs.partition_point(|from| *from <= secs);
+            first_pose + begun.saturating_sub(1) as u32
+        };
+        Self {
+            poses: (0..=intervals).map(pose).collect(),
+            error_metres,
+        }
+    }
 }
 
 /// Impostors of all clips.
@@ -113,6 +138,17 @@ mod tests {
             (impostors.error_metres(0), impostors.error_metres(1)),
             (Some(0.1), None)
         );
+    }
+
+    #[test]
+    fn stretches_show_each_pose_from_its_time_on() {
+        let clip = ClipImpostors::of_stretches(7, &[0.0, 0.5, 0.75], 1.0, 0.1);
+        assert_eq!((clip.poses.len(), clip.error_metres), (61, 0.1));
+        let counts = [7, 8, 9].map(|pose| clip.poses.iter().filter(|p| **p == pose).count());
+        assert_eq!(counts, [30, 15, 16]);
+        assert_eq!(ClipImpostors::of_stretches(3, &[0.0], 0.0, 0.0).poses, [3]);
+        let long = ClipImpostors::of_stretches(0, &[0.0], 1e9, 0.0);
+        assert_eq!(long.poses.len(), MAX_INTERVALS + 1);
     }
 
     #[test]

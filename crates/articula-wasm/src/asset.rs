@@ -126,6 +126,8 @@ impl Asset {
     /// [{"name": "skin", "mimeType": "image/png"}]}`. Materials are those of glTF as in the file, and their textures
     /// index `textures`; but the mesh has one set of texture coordinates, those of the base colour with its
     /// transform applied. So materials name neither sets nor transforms, and no texture with other coordinates.
+    /// `variants` are those of `KHR_materials_variants`, `{"name", "materials": [[usual, shown]], "mixed": [usual]}`: the
+    /// materials that it shows in place of others, -1 for none, and those of which not all parts show it.
     pub fn materials(&self) -> String {
         materials(&self.figure).to_string()
     }

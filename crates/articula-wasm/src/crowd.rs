@@ -8,9 +8,11 @@ use crate::matrix_rows::{IDENTITY, Rows, rows};
 use crate::picking;
 use crate::view::cameras;
 use articula::Executor;
+use articula::build::USUAL_ROLES;
 use articula::core::LibmQuat;
 use articula::crowd::{
-    Budget, CacheUse, CrowdAsset, CrowdEvent, CrowdPlayer, Culling, Detail, DrawKind, View,
+    Allowance, Budget, CacheUse, CrowdAsset, CrowdEvent, CrowdPlayer, Culling, Detail, DrawKind,
+    View,
 };
 use articula::glam::{Quat, Vec3};
 use wasm_bindgen::prelude::*;
@@ -47,11 +49,11 @@ pub struct Crowd {
 #[wasm_bindgen]
 impl Crowd {
     /// A crowd at the origin that plays the first clip. `options` is JSON: `{clips?: string[], events?: {[clip: string]: {secs:
-    /// number, id: number}[]}, meshLevels?: number, poseCache?: boolean, rootMotion?: "in-place" | "as-authored" |
+    /// number, id: number}[]}, impostors?: object, meshLevels?: number, poseCache?: boolean, rootMotion?: "in-place" | "as-authored" |
     /// "extracted"}`; without it all clips in place, without events, the mesh levels of the asset, and cached
-    /// poses.
+    /// poses. `impostors` is the table of `docs/formats/impostor.md`: who is far enough away is shown by its pictures.
     ///
-    /// Throws for options that are not these, mesh levels of a file that stores none, a clip that the file lacks or an event outside of its clip, and more
+    /// Throws for options that are not these, mesh levels of a file that stores none, a clip that the file lacks, an event outside of its clip or impostors of another file, and more
     /// characters than memory holds.
     #[wasm_bindgen(constructor)]
     pub fn new(asset: &Asset, count: usize, options: Option<String>) -> Result<Crowd> {
@@ -160,6 +162,13 @@ impl Crowd {
         Ok(())
     }
 
+    /// Roles that scenes have, with their importance, as JSON: `{"main": 4, …}`.
+    #[wasm_bindgen(js_name = usualRoles)]
+    pub fn usual_roles() -> String {
+        let roles = USUAL_ROLES.map(|(name, importance)| (name.to_owned(), importance.into()));
+        serde_json::Value::Object(roles.into_iter().collect()).to_string()
+    }
+
     /// Has a character play a clip in a loop from a time in seconds.
     ///
     /// Throws if there is no such character or clip.
@@ -195,7 +204,7 @@ impl Crowd {
     #[wasm_bindgen(js_name = setTolerance)]
     pub fn set_tolerance(&mut self, px: f32) {
         self.budget = None;
-        self.player.detail = Detail::Tolerance { px };
+        self.tolerate(px);
     }
 
     /// Shows every visible character at one level, at most the coarsest.
@@ -235,7 +244,8 @@ impl Crowd {
         }
     }
 
-    /// Which processor blends cached poses: "none", "cpu" (as at first: palettes and steps), or "gpu" (records).
+    /// Which processor blends cached poses: "none", "cpu" (as at first: palettes and steps), or "gpu" (records, also where a
+    /// coarser mesh with a palette of its own would have fewer triangles).
     ///
     /// Throws for another word.
     #[wasm_bindgen(js_name = usePoseCache)]
@@ -250,6 +260,13 @@ impl Crowd {
                 )));
             }
         };
+        let is_tolerated = matches!(
+            self.player.detail,
+            Detail::Tolerance { .. } | Detail::Within(_)
+        );
+        if is_tolerated && self.budget.is_none() {
+            self.tolerate(self.tolerance_px());
+        }
         Ok(())
     }
 
@@ -378,6 +395,19 @@ impl Crowd {
 
     fn clip(&self, clip: usize) -> Result<usize> {
         index("clip", clip, self.player.asset().clips().len())
+    }
+
+    /// Chooses options within a tolerance. Where the GPU blends, whatever it can blend: a palette of a coarser mesh would
+    /// have fewer triangles, but a hundred times the bytes.
+    fn tolerate(&mut self, px: f32) {
+        self.player.detail = match self.player.cache {
+            CacheUse::Gpu => Detail::Within(Allowance {
+                px,
+                near_px: f32::INFINITY,
+                by_processor: true,
+            }),
+            CacheUse::Cpu | CacheUse::Never => Detail::Tolerance { px },
+        };
     }
 
     fn put(&mut self, i: usize, position: Vec3, rotation: Quat) -> Result<()> {

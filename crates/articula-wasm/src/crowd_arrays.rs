@@ -71,6 +71,18 @@ impl Crowd {
         self.player.stepped().len()
     }
 
+    /// Byte offset of the draws of kind 3, two unsigned integers each: character, pose among those of all clips.
+    #[wasm_bindgen(js_name = impostorsAt)]
+    pub fn impostors_at(&self) -> usize {
+        offset(self.player.impostors())
+    }
+
+    /// Number of draws of kind 3.
+    #[wasm_bindgen(getter)]
+    pub fn impostors(&self) -> usize {
+        self.player.impostors().len()
+    }
+
     /// Byte offset of the cached palettes, matrices of twelve floats; they never change.
     #[wasm_bindgen(js_name = cachedAt)]
     pub fn cached_at(&self) -> usize {

@@ -3,7 +3,7 @@
 use crate::clip_events::ClipEvents;
 use crate::error::{Fault, Result};
 use articula::Figure;
-use articula::crowd::{CrowdOptions, MAX_MESH_LEVELS, RootMotionPolicy};
+use articula::crowd::{BakedImpostors, CrowdOptions, MAX_MESH_LEVELS, RootMotionPolicy};
 use serde::Deserialize;
 
 #[derive(Debug, Default, Deserialize)]
@@ -11,6 +11,7 @@ use serde::Deserialize;
 struct Options {
     clips: Vec<String>,
     events: ClipEvents,
+    impostors: Option<BakedImpostors>,
     mesh_levels: Option<usize>,
     pose_cache: Option<bool>,
     root_motion: Option<String>,
@@ -54,6 +55,7 @@ pub(crate) fn crowd_options(json: Option<&str>, figure: &Figure) -> Result<Crowd
     Ok(CrowdOptions {
         clips: options.clips,
         events: options.events.named(),
+        baked_impostors: options.impostors,
         mesh_levels: if has_levels {
             options.mesh_levels
         } else {

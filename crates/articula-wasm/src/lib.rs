@@ -57,7 +57,11 @@ mod publish;
 mod steering;
 #[cfg(feature = "stream")]
 mod stream;
+#[cfg(any(feature = "play", feature = "stream"))]
+mod texture_coordinates;
 #[cfg(feature = "tools")]
 mod tools;
+#[cfg(any(feature = "play", feature = "stream"))]
+mod variants;
 #[cfg(feature = "play")]
 mod view;

@@ -1,10 +1,10 @@
 //! Materials of a file as JSON, in the form of glTF.
 
+use crate::texture_coordinates::{base_texture, coordinates, keep_textures};
+use crate::variants::variants;
 use articula::Figure;
 use articula::core::source::Material;
 use serde_json::{Map, Value, json};
-
-const TRANSFORM: &str = "KHR_texture_transform";
 
 /// Materials, textures and pictures of a figure's file.
 pub(crate) fn materials(figure: &Figure) -> Value {
@@ -13,11 +13,13 @@ pub(crate) fn materials(figure: &Figure) -> Value {
     let images: Vec<Value> = images
         .map(|image| json!({"name": image.name, "mimeType": image.mime_type}))
         .collect();
-    let (materials, textures) = match figure.opened.gltf() {
-        Some(gltf) => of_document(&gltf.document.json),
+    let document = figure.opened.gltf().map(|gltf| &gltf.document.json);
+    let (materials, textures) = match document {
+        Some(json) => of_document(json),
         None => of_character(&character.materials),
     };
-    json!({"materials": materials, "textures": textures, "images": images})
+    let variants = document.map(variants).unwrap_or_default();
+    json!({"materials": materials, "textures": textures, "images": images, "variants": variants})
 }
 
 fn of_document(json: &Value) -> (Vec<Value>, Vec<Value>) {
@@ -52,50 +54,6 @@ fn image_of(texture: &Value) -> Option<&Value> {
             .filter_map(|extension| extension.get("source"))
             .next()
     })
-}
-
-/// The texture whose coordinates the mesh has.
-fn base_texture(material: &Value) -> Option<&Value> {
-    const BASES: [&str; 3] = [
-        "/pbrMetallicRoughness/baseColorTexture",
-        "/extensions/KHR_materials_pbrSpecularGlossiness/diffuseTexture",
-        "/emissiveTexture",
-    ];
-    BASES.iter().find_map(|path| material.pointer(path))
-}
-
-/// Set and transform of the coordinates of a texture.
-fn coordinates(info: &Value) -> (u64, Map<String, Value>) {
-    let mut moved = info["extensions"][TRANSFORM].as_object().cloned();
-    let own = moved.as_mut().and_then(|moved| moved.remove("texCoord"));
-    let set = own.as_ref().and_then(Value::as_u64);
-    let set = set.or(info["texCoord"].as_u64()).unwrap_or(0);
-    (set, moved.unwrap_or_default())
-}
-
-/// Removes sets and transforms of textures with these coordinates, and textures with others.
-fn keep_textures(value: &mut Value, own: &(u64, Map<String, Value>)) {
-    if let Value::Array(list) = value {
-        list.iter_mut().for_each(|value| keep_textures(value, own));
-    }
-    let Value::Object(members) = value else {
-        return;
-    };
-    members.retain(|_, member| {
-        !member.get("index").is_some_and(Value::is_u64) || coordinates(member) == *own
-    });
-    for member in members.values_mut() {
-        if member.get("index").is_some_and(Value::is_u64)
-            && let Value::Object(info) = member
-        {
-            info.remove("texCoord");
-            if let Some(Value::Object(extensions)) = info.get_mut("extensions") {
-                extensions.remove(TRANSFORM);
-            }
-        } else {
-            keep_textures(member, own);
-        }
-    }
 }
 
 /// Materials of a file that is not glTF, of which colours and pictures are known. A texture stands for each picture

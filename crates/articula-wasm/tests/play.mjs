@@ -234,6 +234,44 @@ test("materials name what the mesh has coordinates for", () => {
   asset.free();
 });
 
+test("variants tell what they show in place of materials", () => {
+  const file = JSON.parse(new TextDecoder().decode(triangle()));
+  const VARIANTS = "KHR_materials_variants";
+  const [primitive] = file.meshes[0].primitives;
+  const shows = (material, variants) => ({ [VARIANTS]: { mappings: [{ material, variants }] } });
+  // 1 has no picture, 2 the coordinates of 0, 3 those of no vertex.
+  const [own] = file.materials;
+  file.materials.push({}, structuredClone(own), { pbrMetallicRoughness: { baseColorTexture: { index: 0 } } });
+  file.extensionsUsed.push(VARIANTS);
+  file.extensions = { [VARIANTS]: { variants: ["usual", "red", "torn", "moved"].map((name) => ({ name })) } };
+  const [first, second] = [structuredClone(primitive), structuredClone(primitive)];
+  first.extensions = { [VARIANTS]: { mappings: [{ material: 1, variants: [1] }, { material: 2, variants: [2] }, { material: 3, variants: [3] }] } };
+  second.extensions = shows(1, [1]);
+  delete primitive.material;
+  primitive.extensions = shows(1, [1, 2]);
+  file.meshes[0].primitives.push(first, second);
+  const asset = Asset.open(new TextEncoder().encode(JSON.stringify(file)), "triangle.gltf");
+  const { variants } = JSON.parse(asset.materials());
+  assert.deepEqual(variants, [
+    { name: "usual", materials: [], mixed: [] },
+    { name: "red", materials: [[-1, 1], [0, 1]], mixed: [] },
+    { name: "torn", materials: [[-1, 1], [0, 2]], mixed: [0] },
+    { name: "moved", materials: [], mixed: [0] },
+  ]);
+  asset.free();
+});
+
+test("impostors of another file are refused, and roles have an importance", () => {
+  withAsset((asset) => {
+    const table = { format: "articula-impostor", version: 1, clips: [] };
+    const made = (change) => () => new Crowd(asset, 3, JSON.stringify({ impostors: { ...table, ...change } }));
+    refuses(made({ version: 7 }), "argument", /articula-impostor 7/);
+    refuses(made({}), "unsupported", /none of the clips/);
+  });
+  const roles = JSON.parse(Crowd.usualRoles());
+  assert.ok(roles.main > roles.secondary && roles.secondary > roles.audience);
+});
+
 test("a face moves by morph targets and by their names", () => {
   const asset = Asset.open(triangle(), "triangle.gltf");
   assert.deepEqual(asset.morphNames, ["jawOpen"]);

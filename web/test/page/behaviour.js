@@ -287,3 +287,35 @@ export async function clipEvents() {
   asset.dispose();
   return { clip, told, code: unknown.code, message: unknown.message };
 }
+
+/** Levels of three characters beside each other, by their roles. */
+export async function roles() {
+  const asset = await opened(PAB);
+  const crowd = new ArticulaCrowd(asset, 3, { clips: ['walk'], poseCache: false });
+  const names = ['main', 'secondary', 'audience'];
+  names.forEach((name, i) => crowd.place(i, 0.1 * (i - 1), 0, 0).play(i, 'walk', 0.3).setRoleAt(i, name));
+  const camera = new THREE.PerspectiveCamera();
+  const size = { width: 800, height: 600 };
+  const levels = () => {
+    crowd.update(0, camera, size);
+    return names.map((_, i) => crowd.levelOf(i));
+  };
+  // From where an eighth of the error makes two levels of difference.
+  let first = [];
+  for (let metres = 4; metres < 100 && new Set(first).size < names.length; metres *= 1.1) {
+    camera.position.set(0, 1, metres);
+    first = levels();
+  }
+  const [, , raised] = (crowd.setRole('audience', 4), levels());
+  const [, own] = (crowd.setImportance(1, 16), levels());
+  const [, left] = (crowd.setImportance(1, 1).setRoleAt(1, undefined), levels());
+  let unknown = '';
+  try {
+    crowd.setRoleAt(0, 'king');
+  } catch (error) {
+    unknown = String(error);
+  }
+  crowd.dispose();
+  asset.dispose();
+  return { levels: first, raised, own, left, unknown };
+}

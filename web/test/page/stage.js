@@ -59,6 +59,8 @@ export function makeStage(height, columns, hasLamp = false) {
 
 /** Draws, and returns the pixels. */
 export function draw(renderer, scene, camera) {
+  // WebGPURenderer draws shadow maps once in a frame of the page.
+  renderer._nodes?.nodeFrame.update();
   renderer.render(scene, camera);
   const canvas = new OffscreenCanvas(WIDTH, HEIGHT);
   const context = canvas.getContext('2d', { willReadFrequently: true });

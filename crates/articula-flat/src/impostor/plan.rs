@@ -5,7 +5,7 @@ use super::error::{ImpostorError, refuse};
 use super::keys::{Distances, Key, starts};
 use super::measure::error_m;
 use super::options::{ImpostorBound, ImpostorOptions};
-use super::samples::{ImpostorSource, MotionSamples, steps};
+use super::samples::{ImpostorSource, MotionSamples};
 use super::views::ImpostorViews;
 use crate::render::Light;
 use articula_core::{ClipImpostors, Impostors, Mismatch, Progress};
@@ -224,13 +224,12 @@ impl ImpostorPlan {
     pub fn table(&self) -> Result<Impostors, Mismatch> {
         let durations: Vec<f32> = self.clips.iter().map(|c| c.duration_secs).collect();
         let clip = |clip: &ImpostorClip| {
-            let steps = steps(clip.duration_secs);
-            let secs = |step: usize| clip.duration_secs * step as f32 / steps.max(1) as f32;
-            let pose = |step: usize| (clip.first_pose + clip.pose_at(secs(step))) as u32;
-            Some(ClipImpostors {
-                poses: (0..=steps).map(pose).collect(),
-                error_metres: clip.error_m,
-            })
+            Some(ClipImpostors::of_stretches(
+                clip.first_pose as u32,
+                &clip.from_secs,
+                clip.duration_secs,
+                clip.error_m,
+            ))
         };
         Impostors::new(self.clips.iter().map(clip).collect(), &durations)
     }

@@ -1,4 +1,4 @@
-//! What is made and measured of an opened character: moving pictures, portraits, streams with their descriptions, digital items, lighter files, motions of its
+//! What is made and measured of an opened character: moving pictures, portraits, impostors, streams with their descriptions, digital items, lighter files, motions of its
 //! face, evaluation of motion level of detail, what the device can play. For a worker, as `tools`.
 
 mod benchmark;
@@ -6,6 +6,7 @@ mod encode;
 mod error_matrix;
 mod evaluate;
 mod face;
+mod impostors;
 mod measured;
 mod optimize;
 mod options;

@@ -9,14 +9,14 @@ use super::preparation::{
     CharacterInPlace, PREPARING, bounds, bounds_at_once, in_place, joint_levels, level_at_once,
 };
 use super::shared_model::{Shown, drawn_triangles, model};
-use crate::error::{Context, Result};
+use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::choose;
 use crate::prepared::stored::Stored;
 use crate::work::Executor;
 use articula_build::{Asset, JointLodOptions, skin_of};
 use articula_core::crowd::CrowdModel;
-use articula_core::{Clip, JointLods, LevelSkins, Mesh, Tracks};
+use articula_core::{Clip, Impostors, JointLods, LevelSkins, Mesh, Tracks};
 use std::sync::Arc;
 
 /// A character prepared for crowds. Cheap to clone: clones share the data.
@@ -102,6 +102,7 @@ impl CrowdAsset {
             pose_cache: false,
             #[cfg(feature = "flat")]
             impostors: None,
+            baked_impostors: None,
             ..options.clone()
         };
         let made = Self::of_figure(figure, (&plain, Effort::AtOnce), &Executor::default());
@@ -203,11 +204,10 @@ impl CrowdAsset {
         }
         let stored = stored.filter(|_| is_stored);
         let stored = stored.map(|stored| (stored, mesh_lods.is_some()));
-        let impostors = match has_mesh {
-            true => CrowdImpostors::chosen(&asset, options, work)?,
-            false => None,
+        let (impostors, table) = match has_mesh {
+            true => impostors(&asset, options, work)?,
+            false => (None, None),
         };
-        let table = impostors.as_ref().map(CrowdImpostors::table).transpose()?;
         let shown = Shown {
             bounds,
             paths,
@@ -351,6 +351,24 @@ impl CrowdAsset {
     pub(super) fn mesh_lods(&self) -> Option<&MeshLods> {
         self.0.mesh_lods.as_ref()
     }
+}
+
+/// The impostors that the options ask for, with the table that a frame reads.
+fn impostors(
+    asset: &Asset,
+    options: &CrowdOptions,
+    work: &Executor<'_>,
+) -> Result<(Option<CrowdImpostors>, Option<Impostors>)> {
+    if let Some(baked) = &options.baked_impostors {
+        if options.root_motion == RootMotionPolicy::AsAuthored {
+            let what = "impostors show clips on the spot; root motion cannot be as authored";
+            return Err(Error::unsuited(what));
+        }
+        return Ok((None, Some(baked.table(&asset.clips)?)));
+    }
+    let chosen = CrowdImpostors::chosen(asset, options, work)?;
+    let table = chosen.as_ref().map(CrowdImpostors::table).transpose()?;
+    Ok((chosen, table))
 }
 
 /// Returns which clips are selected by name; all of them without names.

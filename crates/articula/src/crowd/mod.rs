@@ -21,6 +21,7 @@
 //! and the threads that evaluate [`parts`](CrowdPlayer::parts).
 
 mod asset;
+mod baked_impostors;
 mod budget_use;
 mod buffer_manifest;
 mod buffer_vertices;
@@ -70,6 +71,7 @@ pub mod wgsl;
 use no_impostors as impostors;
 
 pub use asset::{CrowdAsset, CrowdLevel};
+pub use baked_impostors::BakedImpostors;
 pub use budget_use::{BudgetUse, Sacrificed};
 pub use buffer_manifest::{
     BufferManifest, BufferSizes, DrawnManifest, EntryManifest, GroupManifest, LevelManifest,

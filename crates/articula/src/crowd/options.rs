@@ -1,5 +1,6 @@
 //! Options of crowd preparation.
 
+use super::baked_impostors::BakedImpostors;
 use articula_build::CacheOptions;
 use articula_core::crowd::ClipEvent;
 use articula_core::loa::LoaExpression;
@@ -86,6 +87,9 @@ pub struct CrowdOptions {
     /// leave some out, the errors hold only for eyes within them, which a frame does not check.
     #[cfg(feature = "flat")]
     pub impostors: Option<articula_flat::impostor::ImpostorOptions>,
+    /// Impostors of this character that were baked before, in place of choosing them. Their errors are those
+    /// of their table: errors at points that they show are not measured.
+    pub baked_impostors: Option<BakedImpostors>,
     /// Instruction set; all produce the same bits.
     pub backend: Backend,
     /// Seed of the vertices and frames on which errors are measured.
@@ -109,6 +113,7 @@ impl Default for CrowdOptions {
             cache_bytes: CacheOptions::default().palette_bytes,
             #[cfg(feature = "flat")]
             impostors: None,
+            baked_impostors: None,
             backend: Backend::best(),
             seed: 1,
         }

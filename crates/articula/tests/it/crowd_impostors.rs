@@ -2,11 +2,11 @@
 //! the tolerance, the same for any number of parts.
 
 use crate::crowd::{asset_of, human};
-use articula::Executor;
 use articula::crowd::{
-    Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Culling, ErrorMeter, LevelTally, PaletteHash,
-    View, Viewport,
+    BakedImpostors, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Culling, ErrorMeter, LevelTally,
+    PaletteHash, View, Viewport,
 };
+use articula::{Executor, Figure};
 use articula_flat::Appearance;
 use articula_flat::impostor::{ImpostorBound, ImpostorOptions};
 use glam::Vec3;
@@ -82,4 +82,76 @@ fn who_is_far_is_shown_by_an_impostor_within_the_tolerance() {
     assert!(tier.is_impostor && tier.joints == 0 && tier.characters > 40.0);
     assert_eq!(tier.renderer.impostor_bytes, 8.0 * tier.characters);
     assert_eq!(tier.renderer.skinned_vertices, 4.0 * tier.characters);
+}
+
+/// The human with the impostors of a table.
+fn with_table(json: &str) -> articula::Result<CrowdAsset> {
+    let options = CrowdOptions {
+        pose_cache: true,
+        baked_impostors: Some(BakedImpostors::read(json.as_bytes())?),
+        ..CrowdOptions::default()
+    };
+    CrowdAsset::new(&Figure::new(human())?, &options, &Executor::default())
+}
+
+#[test]
+fn the_table_of_an_atlas_shows_the_same_as_baking_anew() {
+    let chosen = asset_with_impostors();
+    let read = with_table(&chosen.impostors().unwrap().to_json("atlas.png")).unwrap();
+    let mut crowds = [chosen, &read].map(|asset| CrowdPlayer::new(asset, 40).unwrap());
+    let camera = Camera::looking_at(Vec3::Y * 40.0, Vec3::NEG_Z * 300.0, Viewport::default());
+    let mut shown = 0;
+    for frame in 0..10 {
+        let mut draws = Vec::new();
+        for crowd in &mut crowds {
+            for i in 0..40 {
+                crowd.place(i, Vec3::new(i as f32, 0.0, -30.0 * i as f32), i as f32);
+                if frame == 0 {
+                    crowd.play(i, i % chosen.clips().len(), 0.21 * i as f32);
+                }
+            }
+            let views = [View::of(&camera)];
+            crowd.plan(0.13, Culling::Views(&views), &mut |_| ());
+            crowd.evaluate();
+            draws.push(crowd.impostors().to_vec());
+        }
+        assert_eq!(draws[0], draws[1]);
+        shown += draws[0].len();
+    }
+    assert!(shown > 50, "{shown}");
+}
+
+#[test]
+fn tables_of_others_are_refused() {
+    let plan = asset_with_impostors().impostors().unwrap();
+    let json = plan.to_json("atlas.png");
+    let said = |json: &str| with_table(json).unwrap_err().to_string();
+    let first = &plan.clips[0];
+    let [name, secs] = [
+        format!("\"name\":\"{}\"", first.name),
+        format!("\"duration_secs\":{}", first.duration_secs),
+    ];
+    for (from, to, part) in [
+        (
+            "\"version\":1",
+            "\"version\":2",
+            "articula-impostor 2 is not",
+        ),
+        ("\"first_pose\":0", "\"first_pose\":1", "first_pose"),
+        ("\"from_secs\":[0,", "\"from_secs\":[-1,", "from_secs"),
+        ("\"error_m\":0", "\"error_m\":-0", "error_m"),
+        (&secs, "\"duration_secs\":77", "of 77 s"),
+        ("\"clips\":[", "\"clips\":[5", "line"),
+    ] {
+        let changed = json.replacen(from, to, 1);
+        assert_ne!(changed, json, "{from}");
+        let text = said(&changed);
+        assert!(text.contains(part), "{text}");
+    }
+    // Clips that it does not show have none.
+    let other = json.replacen(&name, "\"name\":\"unknown\"", 1);
+    match plan.clips.len() {
+        1 => assert!(said(&other).contains("unknown")),
+        _ => assert!(with_table(&other).is_ok()),
+    }
 }

@@ -1,5 +1,6 @@
 import type { Crowd } from '../wasm/play.js';
 import { MATRIX_FLOATS } from './figure.js';
+import type { ImpostorTable } from './impostors.js';
 
 /** What the instances of a draw group are: rows of `draws`, `records` or `stepped`, or pictures. */
 export type DrawKind = 'palette' | 'record' | 'step' | 'impostor';
@@ -36,6 +37,8 @@ export interface CrowdOptions {
   readonly clips?: readonly string[];
   /** Events of these clips. */
   readonly events?: ClipEvents;
+  /** The table of pictures that show who is far enough away, where poses can be taken from a cache. */
+  readonly impostors?: ImpostorTable;
   /** Meshes of less detail, with the finest; 1 is the finest alone. As many as the asset has if not told; a file without them is prepared with `tools.prepare` first. */
   readonly meshLevels?: number;
   /** Whether poses can be taken from a cache. */
@@ -90,6 +93,11 @@ export class CrowdArrays {
   /** Two numbers a draw: character, first matrix in `cached`. */
   get stepped(): Uint32Array {
     return this.#integers(this.#crowd.steppedAt(), this.#crowd.stepped * 2);
+  }
+
+  /** Two numbers a draw: character, pose among those of all clips of the table. */
+  get impostors(): Uint32Array {
+    return this.#integers(this.#crowd.impostorsAt(), this.#crowd.impostors * 2);
   }
 
   /** Matrices of cached palettes, which never change. */

@@ -4,6 +4,7 @@ export { Articula, type CrowdParts, type FigureOptions, type FigureParts, type L
 export { type ClipEvent, type ClipEvents, CrowdArrays, type CrowdOptions, type DrawGroup, type DrawKind } from './crowd.js';
 export { ArticulaError, type ArticulaErrorCode, type ArticulaFault } from './error.js';
 export { FigureArrays, type FigureLengths, type FigureOffsets, MATRIX_FLOATS } from './figure.js';
+export type { ImpostorTable } from './impostors.js';
 export type { PackagedBytes, Progress } from './messages.js';
 export {
   type AddClipsOptions,
@@ -13,6 +14,8 @@ export {
   type ErrorMatrixOptions,
   type EvaluateOptions,
   type FlattenOptions,
+  type ImpostorFiles,
+  type ImpostorOptions,
   type MeasuredFile,
   type OptimizeOptions,
   type PackageOptions,

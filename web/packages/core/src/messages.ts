@@ -41,6 +41,7 @@ export type Task =
   | FileTask<'inspect'>
   | FileTask<'package'>
   | FileTask<'portrait'>
+  | FileTask<'impostors'>
   | FileTask<'encode'>
   | FileTask<'encodeFace'>
   | (FileTask<'convert'> & { readonly to: string })
@@ -52,7 +53,7 @@ export type Task =
 /** What a task returns. */
 export type TaskResult<Call extends Task['call']> = Call extends 'inspect' | 'evaluate' | 'benchmark'
   ? string
-  : Call extends 'package' | 'portrait' | 'encode' | 'encodeFace'
+  : Call extends 'package' | 'portrait' | 'impostors' | 'encode' | 'encodeFace'
     ? PackagedBytes[]
     : Call extends 'flattenMeasured' | 'optimize'
       ? MeasuredBytes

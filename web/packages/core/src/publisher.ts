@@ -32,6 +32,8 @@ serve(
         return Publisher.package(bytes, name, options, report).map(copiedFile);
       case 'portrait':
         return Publisher.portrait(bytes, name, options, report).map(copiedFile);
+      case 'impostors':
+        return Publisher.impostors(bytes, name, options, report).map(copiedFile);
       case 'encode':
         return Publisher.encode(bytes, name, options, report).map(copiedFile);
       case 'encodeFace':

@@ -1,4 +1,5 @@
 import { ArticulaError } from './error.js';
+import type { ImpostorTable } from './impostors.js';
 import type { PackagedBytes, Progress, Reply, Request, Task, TaskResult } from './messages.js';
 
 /** How a task in a worker is watched and ended. */
@@ -75,6 +76,24 @@ export interface PortraitFiles {
   readonly files: readonly PackagedBytes[];
   /** Sizes and errors of the page, as `articula flatten --json` tells them. */
   readonly report: unknown;
+}
+
+/** Options of {@link Tools.impostors}. */
+export interface ImpostorOptions extends TaskOptions {
+  /** The clips that they show; all if left out. */
+  readonly clips?: readonly string[] | undefined;
+  /** Most bytes of pixels, of four bytes each; 4 MiB if left out. */
+  readonly maxBytes?: number | undefined;
+  /** The lowest and the highest pitch of a camera above the horizon of the characters, degrees; any if left out. */
+  readonly pitchesDeg?: readonly [number, number] | undefined;
+  /** Whether the pictures have the colours of the character alone, for a material that is lit. */
+  readonly unlit?: boolean | undefined;
+}
+
+/** Impostors: the table that crowds take, and the picture that has them, a PNG file. */
+export interface ImpostorFiles {
+  readonly table: ImpostorTable;
+  readonly picture: Uint8Array;
 }
 
 /** Options of {@link Tools.encode} and {@link Tools.encodeFace}: those of a quantiser or of a tolerance. */
@@ -173,12 +192,13 @@ export interface ToolsSource {
 /** Names of the page of a portrait and of the report about it among its files. */
 const PORTRAIT_PAGE = 'portrait.html';
 const PORTRAIT_REPORT = 'report.json';
+const IMPOSTOR_TABLE = 'impostors.json';
 
 /** Files that the publisher opens. Others are converted first. */
 const IS_PUBLISHED = /\.(glb|vrm)$/i;
 
 /** What the publisher does. */
-const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'addRecording', 'evaluate', 'errorMatrix', 'optimize', 'benchmark', 'portrait', 'encode', 'encodeFace']);
+const PUBLISHES: ReadonlySet<Task['call']> = new Set(['flatten', 'flattenMeasured', 'package', 'addFaceClip', 'addVoice', 'addRecording', 'evaluate', 'errorMatrix', 'optimize', 'benchmark', 'portrait', 'impostors', 'encode', 'encodeFace']);
 
 /** Functions that take seconds. Each call runs in a worker of its own, on a copy of the bytes. */
 export class Tools {
@@ -261,6 +281,18 @@ export class Tools {
       page: find(PORTRAIT_PAGE),
       files: made.filter((part) => part.name !== PORTRAIT_PAGE && part.name !== PORTRAIT_REPORT),
       report: JSON.parse(new TextDecoder().decode(find(PORTRAIT_REPORT))),
+    };
+  }
+
+  /** Returns pictures of a character for who is far away, as `CrowdOptions.impostors` takes them. */
+  async impostors(bytes: Uint8Array, name: string, options: ImpostorOptions = {}): Promise<ImpostorFiles> {
+    const file = await this.#published(bytes, name, options);
+    const made = await this.#run({ call: 'impostors', ...file, ...split(options) });
+    const table = made.find((part) => part.name === IMPOSTOR_TABLE)?.bytes;
+    const picture = made.find((part) => part.name !== IMPOSTOR_TABLE)?.bytes;
+    return {
+      table: JSON.parse(new TextDecoder().decode(table)) as ImpostorTable,
+      picture: picture ?? new Uint8Array(),
     };
   }
 

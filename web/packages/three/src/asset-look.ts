@@ -25,18 +25,25 @@ export class AssetLook {
   readonly warnings: readonly string[];
   /** The materials of the file, then the one of parts without. */
   readonly materials: FigureMaterial[];
+  /** Names of the variants of the materials. */
+  readonly variants: readonly string[];
   readonly #textures: FileTextures;
+  /** What each variant shows in place of materials. */
+  readonly #changes: readonly ReadonlyMap<number, number>[];
   #shape: FigureShape | undefined;
 
   private constructor(
     core: PicturedAsset,
     materials: FigureMaterial[],
     textures: FileTextures,
+    variants: NonNullable<FileMaterials['variants']>,
     warnings: readonly string[],
   ) {
     this.core = core;
     this.materials = materials;
     this.#textures = textures;
+    this.variants = variants.map(({ name }, i) => name ?? String(i));
+    this.#changes = variants.map((variant) => new Map(variant.materials));
     this.warnings = warnings;
   }
 
@@ -52,12 +59,21 @@ export class AssetLook {
       (file.materials ?? []).map((material) => makeMaterial(material, textures, colored, warnings)),
     );
     materials.push(new MeshStandardMaterial({ metalness: 1, roughness: 1, vertexColors: colored }));
-    return new AssetLook(core, materials, textures, warnings);
+    const variants = file.variants ?? [];
+    for (const { name, mixed } of variants.filter(({ mixed }) => mixed.length > 0)) {
+      warnings.push(`variant ${name ?? ''}: not all parts of the materials ${mixed.join(', ')} show it`);
+    }
+    return new AssetLook(core, materials, textures, variants, warnings);
   }
 
   /** Returns the material of a part; -1 has the one of parts without. */
   material(index: number): FigureMaterial {
     return this.materials.at(index) ?? (this.materials.at(-1) as FigureMaterial);
+  }
+
+  /** The material that a variant, -1 for none, shows in place of one. */
+  materialOf(index: number, variant: number): number {
+    return this.#changes[variant]?.get(index) ?? index;
   }
 
   /** The finest mesh, made when it is first asked for. */

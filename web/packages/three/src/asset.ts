@@ -21,6 +21,8 @@ export class ArticulaAsset {
   readonly warnings: readonly string[];
   /** The materials of the file, then the one of parts without. May be changed before figures are made. */
   readonly materials: FigureMaterial[];
+  /** Names of the variants of the materials (`KHR_materials_variants`). */
+  readonly variants: readonly string[];
   readonly #look: AssetLook;
 
   private constructor(articula: Articula, core: Asset, look: AssetLook) {
@@ -36,6 +38,7 @@ export class ArticulaAsset {
     this.bounds = new Box3(new Vector3(x0, y0, z0), new Vector3(x1, y1, z1));
     this.warnings = look.warnings;
     this.materials = look.materials;
+    this.variants = look.variants;
     this.#look = look;
   }
 
@@ -47,6 +50,11 @@ export class ArticulaAsset {
   /** Returns the material of a part; -1 has the one of parts without. */
   material(index: number): FigureMaterial {
     return this.#look.material(index);
+  }
+
+  /** Returns the index of the material that a variant, -1 for none, shows in place of one. */
+  materialOf(index: number, variant: number): number {
+    return this.#look.materialOf(index, variant);
   }
 
   /** Returns the index of a clip. */

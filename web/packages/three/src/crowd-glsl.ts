@@ -2,6 +2,7 @@ import { type Material, MeshDepthMaterial, MeshDistanceMaterial, RGBADepthPackin
 
 import {
   type CrowdMaterials,
+  type CrowdPlaces,
   type CrowdShading,
   type CrowdShape,
   DRAW,
@@ -9,7 +10,10 @@ import {
   MORPH_SET,
   weightsOf,
 } from './crowd-shading.js';
-import { DataRows, type TextureHolder } from './data-rows.js';
+import type { DataRows, Holder } from './data-rows.js';
+import { ROWS_GLSL, tinted } from './glsl-rows.js';
+import { glslImpostors } from './impostor-glsl.js';
+import type { ImpostorShape } from './impostors.js';
 
 /** Poses crowds in the shaders of `WebGLRenderer`. */
 export class GlslShading implements CrowdShading {
@@ -20,12 +24,16 @@ export class GlslShading implements CrowdShading {
       distance: posed(new MeshDistanceMaterial(), shape),
     };
   }
+
+  impostors(source: Material, shape: ImpostorShape, places: CrowdPlaces): CrowdMaterials {
+    return glslImpostors(source, shape, places);
+  }
 }
 
 /** Adds the posing to the shader of a material. */
 function posed<M extends Material>(material: M, shape: CrowdShape, source?: Material): M {
-  const holder = (rows: DataRows): TextureHolder => rows.hold({ value: null });
-  const uniforms: Record<string, TextureHolder> = {
+  const holder = (rows: DataRows): Holder => rows.hold({ value: null });
+  const uniforms: Record<string, Holder> = {
     articulaPalettes: holder(shape.palettes),
     articulaTransforms: holder(shape.transforms),
   };
@@ -53,9 +61,7 @@ function posed<M extends Material>(material: M, shape: CrowdShape, source?: Mate
       .replace('#include <beginnormal_vertex>', '#include <beginnormal_vertex>\nobjectNormal = articulaNormal;')
       .replace('#include <begin_vertex>', '#include <begin_vertex>\ntransformed = articulaPosition;');
     if (shape.colors !== undefined) {
-      shader.fragmentShader = shader.fragmentShader
-        .replace('void main() {', 'varying vec3 articulaColor;\nvoid main() {')
-        .replace('#include <color_fragment>', '#include <color_fragment>\ndiffuseColor.rgb *= articulaColor;');
+      shader.fragmentShader = tinted(shader.fragmentShader);
     }
   };
   return material;
@@ -80,17 +86,7 @@ uniform highp sampler2D articulaTransforms;
 ${colors === undefined ? '' : 'uniform highp sampler2D articulaColors;\nvarying vec3 articulaColor;'}
 ${morphs === undefined ? '' : MORPH_DECLARATIONS}
 
-struct ArticulaRows { vec4 x; vec4 y; vec4 z; };
-
-vec4 articulaTexel(highp sampler2D from, uint index) {
-  return texelFetch(from, ivec2(index % ${DataRows.WIDTH}u, index / ${DataRows.WIDTH}u), 0);
-}
-
-ArticulaRows articulaMatrix(highp sampler2D from, uint index) {
-  uint at = index * 3u;
-  return ArticulaRows(articulaTexel(from, at), articulaTexel(from, at + 1u), articulaTexel(from, at + 2u));
-}
-
+${ROWS_GLSL}
 void articulaAdd(inout ArticulaRows sum, uint entry, float weight) {
   if (weight == 0.0) return;
   ${
@@ -102,18 +98,6 @@ void articulaAdd(inout ArticulaRows sum, uint entry, float weight) {
       : `ArticulaRows m = articulaMatrix(articulaPalettes, ${DRAW}.y + entry);`
   }
   sum = ArticulaRows(sum.x + m.x * weight, sum.y + m.y * weight, sum.z + m.z * weight);
-}
-
-vec3 articulaPoint(ArticulaRows m, vec3 point) {
-  vec4 p = vec4(point, 1.0);
-  return vec3(dot(m.x, p), dot(m.y, p), dot(m.z, p));
-}
-
-// By the cofactor matrix: normals point outwards of a matrix that mirrors too.
-vec3 articulaTurn(ArticulaRows m, vec3 n) {
-  vec3 first = cross(m.y.xyz, m.z.xyz);
-  vec3 moved = vec3(dot(first, n), dot(cross(m.z.xyz, m.x.xyz), n), dot(cross(m.x.xyz, m.y.xyz), n));
-  return normalize(dot(m.x.xyz, first) < 0.0 ? -moved : moved);
 }
 `;
 }

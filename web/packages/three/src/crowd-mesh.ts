@@ -13,11 +13,23 @@ import { addVertices, type MaterialRange, sortTriangles } from './geometry.js';
 import { type CrowdMaterials, type CrowdMorphs, DRAW, entriesOf, MORPH_SET, weightsOf } from './crowd-shading.js';
 import { DataRows } from './data-rows.js';
 
-/** Integers of an instance: those of a draw, a record or a stepped draw. */
-const DRAW_NUMBERS = { palette: 2, record: 4, step: 2, impostor: 2 } as const;
+/** Integers of an instance: those of a draw, a record, a stepped draw or an impostor; and which is the character. */
+export const DRAW_WORDS = {
+  palette: { count: 2, character: 0 },
+  record: { count: 4, character: 3 },
+  step: { count: 2, character: 0 },
+  impostor: { count: 2, character: 0 },
+} as const;
+
+/** What the instances of a group draw. */
+export interface GroupShape {
+  readonly geometry: BufferGeometry;
+  readonly ranges: readonly MaterialRange[];
+  readonly morphs: CrowdMorphs | undefined;
+}
 
 /** The mesh of a level: what its draws of all kinds share. */
-export class LevelMesh {
+export class LevelMesh implements GroupShape {
   readonly geometry = new BufferGeometry();
   readonly ranges: readonly MaterialRange[];
   /** Runs of four influences. */
@@ -53,8 +65,8 @@ export class GroupMeshes {
   readonly #draws: InstancedBufferAttribute;
   readonly #sets: InstancedBufferAttribute | undefined;
 
-  constructor(kind: DrawGroup['kind'], level: LevelMesh, count: number, materials: readonly CrowdMaterials[]) {
-    const numbers = DRAW_NUMBERS[kind];
+  constructor(kind: DrawGroup['kind'], level: GroupShape, count: number, materials: readonly CrowdMaterials[]) {
+    const numbers = DRAW_WORDS[kind].count;
     this.#draws = instanced(new Uint32Array(count * numbers), numbers);
     this.#sets = level.morphs === undefined ? undefined : instanced(new Uint32Array(count), 1);
     this.meshes = level.ranges.map((range, i) => {
@@ -70,21 +82,27 @@ export class GroupMeshes {
     });
   }
 
-  /** Shows the instances of a group; `list` has those of its kind. */
-  show(group: DrawGroup, list: Uint32Array): void {
-    const { itemSize } = this.#draws;
+  /** Shows the instances of a group; `list` has those of its kind. `which` chooses some, by their places in the group. */
+  show(group: DrawGroup, list: Uint32Array, which?: readonly number[]): void {
+    const { array, itemSize } = this.#draws;
     const shown = list.subarray(group.first * itemSize, (group.first + group.count) * itemSize);
-    this.#draws.array.set(shown);
-    send(this.#draws, shown.length);
+    const count = which?.length ?? group.count;
+    if (which === undefined) {
+      array.set(shown);
+    } else {
+      which.forEach((from, to) => array.set(shown.subarray(from * itemSize, (from + 1) * itemSize), to * itemSize));
+    }
+    send(this.#draws, count * itemSize);
     if (this.#sets !== undefined) {
-      const { array } = this.#sets;
-      for (let i = 0; i < group.count; i += 1) {
-        array[i] = i < group.morphSets ? group.firstMorphSet + i + 1 : 0;
+      const sets = this.#sets.array;
+      for (let i = 0; i < count; i += 1) {
+        const place = which?.[i] ?? i;
+        sets[i] = place < group.morphSets ? group.firstMorphSet + place + 1 : 0;
       }
-      send(this.#sets, group.count);
+      send(this.#sets, count);
     }
     for (const mesh of this.meshes) {
-      (mesh.geometry as InstancedBufferGeometry).instanceCount = group.count;
+      (mesh.geometry as InstancedBufferGeometry).instanceCount = count;
       mesh.visible = true;
     }
   }

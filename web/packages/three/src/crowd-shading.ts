@@ -1,6 +1,7 @@
 import type { Material } from 'three';
 
 import type { DataRows } from './data-rows.js';
+import type { ImpostorShape } from './impostors.js';
 
 /** Morph targets that move a mesh, for shaders. */
 export interface CrowdMorphs {
@@ -10,15 +11,19 @@ export interface CrowdMorphs {
   readonly vertices: number;
 }
 
+/** What shaders read of each character. */
+export interface CrowdPlaces {
+  readonly transforms: DataRows;
+  /** Colour of each character, if one was ever set. */
+  readonly colors: DataRows | undefined;
+}
+
 /** What shaders of a crowd read, and how. */
-export interface CrowdShape {
+export interface CrowdShape extends CrowdPlaces {
   /** Whether instances are blend records (uvec4) or have a palette (uvec2). */
   readonly blended: boolean;
   /** Matrices of palettes. */
   readonly palettes: DataRows;
-  readonly transforms: DataRows;
-  /** Colour of each character, if one was ever set. */
-  readonly colors: DataRows | undefined;
   /** Runs of four influences of a vertex. */
   readonly fours: number;
   readonly morphs: CrowdMorphs | undefined;
@@ -39,6 +44,8 @@ export interface CrowdMaterials {
 /** Makes materials whose vertices are posed on the GPU. */
 export interface CrowdShading {
   materials(source: Material, shape: CrowdShape): CrowdMaterials;
+  /** Materials of squares that show impostors. */
+  impostors(source: Material, shape: ImpostorShape, places: CrowdPlaces): CrowdMaterials;
 }
 
 /** Names of vertex attributes. */

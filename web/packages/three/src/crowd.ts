@@ -1,5 +1,6 @@
-import type { Crowd, CrowdArrays, CrowdOptions, DrawGroup } from '@articula/core';
+import { type CrowdOptions as CoreOptions, type Crowd, type CrowdArrays, type DrawGroup, MATRIX_FLOATS } from '@articula/core';
 import {
+  type BufferGeometry,
   type Camera,
   Color,
   type ColorRepresentation,
@@ -16,9 +17,18 @@ import {
 
 import { type ArticulaAsset, indexIn } from './asset.js';
 import { type DrawnSize, packCameras } from './camera-view.js';
-import { GroupMeshes, LevelMesh } from './crowd-mesh.js';
+import { DRAW_WORDS, GroupMeshes, LevelMesh } from './crowd-mesh.js';
+import { CrowdRoles } from './crowd-roles.js';
 import type { CrowdMaterials, CrowdShading, CrowdShape } from './crowd-shading.js';
+import { CrowdVariants } from './crowd-variants.js';
 import { DataRows } from './data-rows.js';
+import type { ArticulaImpostors } from './impostors.js';
+
+/** How a crowd is made. */
+export interface CrowdOptions extends Omit<CoreOptions, 'impostors'> {
+  /** Pictures that show who is far enough away, unless `setPoseCache('none')` forbids it. The caller disposes of them. */
+  readonly impostors?: ArticulaImpostors;
+}
 
 /** Events that a crowd dispatches. */
 export interface CrowdEventMap extends Object3DEventMap {
@@ -51,6 +61,9 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
   lastFrameMs = 0;
   readonly #arrays: CrowdArrays;
   readonly #shading: CrowdShading;
+  readonly #impostors: ArticulaImpostors | undefined;
+  readonly #roles: CrowdRoles;
+  readonly #variants: CrowdVariants;
   readonly #travels: boolean;
   readonly #morphTargets: number;
   readonly #levels = new Map<number, LevelMesh>();
@@ -62,12 +75,15 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
   readonly #weights = new DataRows(1);
   #colors: DataRows | undefined;
   #cacheIsSent = false;
-  #isMoved = true;
+  /** The first and the last character that moved since they were sent. */
+  #moved: [number, number] | undefined;
   #hears = false;
 
   constructor(asset: ArticulaAsset, count: number, shading: CrowdShading, options: CrowdOptions = {}) {
     super();
-    const { crowd, arrays } = asset.articula.crowd(asset.core, count, options);
+    const { impostors, ...rest } = options;
+    const told = impostors === undefined ? rest : { ...rest, impostors: impostors.table };
+    const { crowd, arrays } = asset.articula.crowd(asset.core, count, told);
     this.asset = asset;
     this.name = asset.name;
     this.count = count;
@@ -76,16 +92,20 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     this.warnings = crowd.warnings;
     this.#arrays = arrays;
     this.#shading = shading;
+    this.#impostors = impostors;
+    this.#roles = new CrowdRoles(crowd);
+    this.#variants = new CrowdVariants(asset.variants, asset.name, count);
     this.#travels = options.rootMotion === 'extracted';
     const defaults = asset.core.morphDefaults;
     this.#morphTargets = defaults.length;
     this.#weights.write(defaults);
+    this.#move(0, count - 1);
   }
 
   /** Places a character: x, y, z in metres and the turn about +Y in radians, in the space of the crowd. */
   place(character: number, x: number, y: number, z: number, yaw = 0): this {
     this.core.place(character, x, y, z, yaw);
-    this.#isMoved = true;
+    this.#move(character, character);
     return this;
   }
 
@@ -96,7 +116,7 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     if (scale !== undefined) {
       this.core.setScale(character, scale);
     }
-    this.#isMoved = true;
+    this.#move(character, character);
     return this;
   }
 
@@ -130,13 +150,35 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     return this;
   }
 
-  /** 1 is usual, 2 halves the error that a character may have. */
+  /** 1 is usual, 2 halves the error that a character may have. That of its role is multiplied by it. */
   setImportance(character: number, importance: number): this {
-    this.core.setImportance(character, importance);
+    this.#roles.setImportance(character, importance);
     return this;
   }
 
-  /** Who blends poses of the cache: the processor, or shaders, which then get 16 bytes a character. */
+  /** Names of the roles, with their importance: `main`, `secondary`, `audience`, and those that were added. */
+  get roles(): ReadonlyMap<string, number> {
+    return this.#roles.roles;
+  }
+
+  /** Changes the importance of a role, or adds it. */
+  setRole(name: string, importance: number): this {
+    this.#roles.setRole(name, importance);
+    return this;
+  }
+
+  /** Gives a character a role, or takes it. */
+  setRoleAt(character: number, name: string | undefined): this {
+    this.#roles.setRoleAt(character, name);
+    return this;
+  }
+
+  /** The role of a character, if it has one. */
+  roleOf(character: number): string | undefined {
+    return this.#roles.of(character);
+  }
+
+  /** Who blends poses of the cache: the processor, or shaders, which then get 16 bytes a character, and more triangles. */
   setPoseCache(use: 'none' | 'cpu' | 'gpu'): this {
     this.core.usePoseCache(use);
     return this;
@@ -151,6 +193,12 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     }
     const { r, g, b } = new Color(color);
     this.#colors.write(Float32Array.of(r, g, b, 1), character * 4);
+    return this;
+  }
+
+  /** Shows a character with a variant of the file's materials, one of `asset.variants`, or as usual. */
+  setVariantAt(character: number, name: string | undefined): this {
+    this.#variants.set(character, name);
     return this;
   }
 
@@ -183,7 +231,7 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     this.core.observe(this.lastFrameMs);
     if (this.#travels) {
       this.core.travel();
-      this.#isMoved = true;
+      this.#move(0, this.count - 1);
     }
     this.#send();
     this.#show();
@@ -231,13 +279,19 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     this.core.free();
   }
 
+  #move(first: number, last: number): void {
+    const [least, most] = this.#moved ?? [first, last];
+    this.#moved = [Math.min(least, first), Math.max(most, last)];
+  }
+
   /** Sends the numbers that changed. */
   #send(): void {
     const arrays = this.#arrays;
-    this.#palettes.replace(arrays.palettes);
-    if (this.#isMoved) {
-      this.#isMoved = false;
-      this.#transforms.write(arrays.transforms);
+    this.#palettes.share(this.asset.articula.memory, arrays.palettes);
+    if (this.#moved !== undefined) {
+      const [first, last] = this.#moved;
+      this.#moved = undefined;
+      this.#transforms.write(arrays.transforms.subarray(first * MATRIX_FLOATS, (last + 1) * MATRIX_FLOATS), first * MATRIX_FLOATS);
     }
     // After the defaults.
     this.#weights.write(arrays.morphWeights, this.#morphTargets);
@@ -254,25 +308,39 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     }
     const arrays = this.#arrays;
     const groups = arrays.groups();
-    const made = groups.map((group) => this.#meshesOf(group));
+    const made = groups.map((group) => this.#partsOf(group));
     // Making meshes calls the module, after which views are made anew.
-    const { draws, records, stepped } = arrays;
-    const lists = { palette: draws, record: records, step: stepped, impostor: undefined };
     groups.forEach((group, i) => {
-      const list = lists[group.kind];
-      if (list !== undefined) {
-        made[i]?.show(group, list);
+      const list = this.#listOf(group.kind);
+      for (const { meshes, which } of made[i] ?? []) {
+        meshes.show(group, list, which);
       }
     });
   }
 
-  #meshesOf(group: DrawGroup): GroupMeshes {
-    const key = `${group.kind} ${group.level}`;
+  /** The meshes of a group, for each variant that its characters show. */
+  #partsOf(group: DrawGroup): { meshes: GroupMeshes; which: readonly number[] | undefined }[] {
+    const { kind, first, count } = group;
+    const words = DRAW_WORDS[kind];
+    // The pictures of impostors have no variants.
+    const list = kind === 'impostor' ? undefined : this.#listOf(kind);
+    const split = list && this.#variants.split(list.subarray(first * words.count, (first + count) * words.count), words);
+    if (split === undefined) {
+      return [{ meshes: this.#meshesOf(group, -1), which: undefined }];
+    }
+    return [...split].map(([variant, which]) => ({ meshes: this.#meshesOf(group, variant), which }));
+  }
+
+  #listOf(kind: DrawGroup['kind']): Uint32Array {
+    const { draws, records, stepped, impostors } = this.#arrays;
+    return { palette: draws, record: records, step: stepped, impostor: impostors }[kind];
+  }
+
+  #meshesOf(group: DrawGroup, variant: number): GroupMeshes {
+    const key = `${group.kind} ${group.level} ${variant}`;
     let made = this.#groups.get(key);
     if (made === undefined) {
-      const level = this.#level(group.level);
-      const materials = level.ranges.map(({ material }) => this.#materialsOf(group, level, material));
-      made = new GroupMeshes(group.kind, level, this.count, materials);
+      made = this.#makeMeshes(group, variant);
       this.#groups.set(key, made);
       this.add(...made.meshes);
     }
@@ -283,6 +351,31 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
       mesh.layers.mask = this.layers.mask;
     }
     return made;
+  }
+
+  #makeMeshes(group: DrawGroup, variant: number): GroupMeshes {
+    const { kind } = group;
+    if (kind === 'impostor') {
+      const { geometry, materials } = this.#square();
+      const ranges = [{ material: -1, start: 0, count: Number.POSITIVE_INFINITY }];
+      return new GroupMeshes(kind, { geometry, ranges, morphs: undefined }, this.count, [materials]);
+    }
+    const level = this.#level(group.level);
+    const shown = level.ranges.map(({ material }) => this.asset.materialOf(material, variant));
+    const materials = shown.map((material) => this.#materialsOf(group, level, material));
+    return new GroupMeshes(kind, level, this.count, materials);
+  }
+
+  /** What impostors are drawn by. */
+  #square(): { geometry: BufferGeometry; materials: CrowdMaterials } {
+    const impostors = this.#impostors as ArticulaImpostors;
+    let materials = this.#materials.get('impostor');
+    if (materials === undefined) {
+      const places = { transforms: this.#transforms, colors: this.#colors };
+      materials = this.#shading.impostors(impostors.material, impostors.shape, places);
+      this.#materials.set('impostor', materials);
+    }
+    return { geometry: impostors.geometry(), materials };
   }
 
   #level(level: number): LevelMesh {

@@ -1,7 +1,7 @@
 import type { Figure, FigureArrays, FigureOptions } from '@articula/core';
 import { type Camera, Object3D, type Object3DEventMap, Sphere } from 'three';
 
-import type { ArticulaAsset } from './asset.js';
+import { type ArticulaAsset, indexIn } from './asset.js';
 import { PoseBounds } from './bounds.js';
 import { type DrawnSize, packCameras } from './camera-view.js';
 import { FigureMesh, PaletteSkeleton } from './figure-mesh.js';
@@ -95,6 +95,14 @@ export class ArticulaFigure extends Object3D<FigureEventMap> {
 
   setLayerWeight(layer: number, weight: number): this {
     this.core.setLayerWeight(layer, weight);
+    return this;
+  }
+
+  /** Shows a variant of the file's materials, one of `asset.variants`, or the usual ones. */
+  setVariant(name: string | undefined): this {
+    const variant = name === undefined ? -1 : indexIn(this.asset.variants, name, 'variant', this.asset.name);
+    const { ranges } = this.asset.shape();
+    this.mesh.material = ranges.map(({ material }) => this.asset.material(this.asset.materialOf(material, variant)));
     return this;
   }
 

@@ -1,8 +1,9 @@
 export { ArticulaAsset } from './asset.js';
 export type { DrawnSize } from './camera-view.js';
-export { type CrowdEventMap, PosedCrowd } from './crowd.js';
+export { type CrowdEventMap, type CrowdOptions, PosedCrowd } from './crowd.js';
 export { ArticulaFigure, type FigureEventMap, type LayerOptions } from './figure.js';
 export { FigureMesh, PaletteSkeleton } from './figure-mesh.js';
+export { ArticulaImpostors, type ImpostorShape } from './impostors.js';
 export { ArticulaLoader, type AssetSource } from './loader.js';
 export type { FigureMaterial } from './materials.js';
 export { ArticulaStream, type StreamEventMap } from './stream.js';
@@ -11,7 +12,7 @@ export {
   ArticulaError,
   type ClipEvent,
   type ClipEvents,
-  type CrowdOptions,
   type FigureOptions,
+  type ImpostorTable,
   type Progress,
 } from '@articula/core';

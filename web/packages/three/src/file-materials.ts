@@ -43,5 +43,11 @@ export interface FileMaterials {
       readonly wrapT?: number;
     } | null;
   }[];
+  /** Variants: pairs of a usual material and the one in its place, -1 for none; and usual ones of which not all parts show it. */
+  readonly variants?: readonly {
+    readonly name?: string;
+    readonly materials: readonly (readonly [number, number])[];
+    readonly mixed: readonly number[];
+  }[];
   readonly images?: readonly { readonly mimeType?: string | null }[];
 }

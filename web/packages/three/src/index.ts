@@ -1,8 +1,6 @@
 /** For `WebGLRenderer`. The entry `@articula/three/webgpu` has the same for `WebGPURenderer`. */
-import type { CrowdOptions } from '@articula/core';
-
 import type { ArticulaAsset } from './asset.js';
-import { PosedCrowd } from './crowd.js';
+import { type CrowdOptions, PosedCrowd } from './crowd.js';
 import { GlslShading } from './crowd-glsl.js';
 
 export * from './figures.js';

@@ -1,8 +1,6 @@
 /** For `WebGPURenderer`, with WebGPU and with WebGL 2. */
-import type { CrowdOptions } from '@articula/core';
-
 import type { ArticulaAsset } from './asset.js';
-import { PosedCrowd } from './crowd.js';
+import { type CrowdOptions, PosedCrowd } from './crowd.js';
 import { NodeShading } from './crowd-nodes.js';
 
 export * from './figures.js';
