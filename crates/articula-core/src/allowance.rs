@@ -10,6 +10,10 @@ pub struct Allowance {
     pub near_px: f32,
     /// Whether options are chosen by processor time alone, however many triangles they draw.
     pub by_processor: bool,
+    /// Frames within which it reaches everybody, if it differs from that of the frame before: in each a part of
+    /// the crowd takes it over, since to choose all levels again may take as long as a frame. Up to 1: all in this
+    /// frame.
+    pub frames: u16,
 }
 
 impl Allowance {
@@ -28,6 +32,7 @@ impl Allowance {
             px,
             near_px: f32::INFINITY,
             by_processor: false,
+            frames: 1,
         }
     }
 

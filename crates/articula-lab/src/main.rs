@@ -24,6 +24,7 @@ use anyhow::{Context, Result};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
 use std::time::Instant;
+use tables::crowd_characters;
 use tables::crowd_scene;
 use tables::devices;
 use tables::flat;
@@ -63,7 +64,7 @@ enum Table {
     /// Cost of a crowd beside the floor and other evaluators (docs/methods/runtime.md).
     Crowd,
     /// What a crowd of anybody costs: preparation, the whole frame and budgets, character by character.
-    CrowdCharacters,
+    CrowdCharacters(crowd_characters::Choice),
     /// Impostors and far levels beside near levels, at equal error.
     Impostors(impostors::Sheet),
     /// Error of a crowd at one pixel, for every character of the data.
@@ -137,7 +138,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::ThesisGrid => tables::thesis_grid::write(run),
         Table::LoaCost => tables::loa_cost::write(run),
         Table::Crowd => tables::crowd::write(run),
-        Table::CrowdCharacters => tables::crowd_characters::write(run),
+        Table::CrowdCharacters(choice) => crowd_characters::write(run, choice),
         Table::CrowdErrors => tables::crowd_errors::write(run),
         Table::CrowdScene(choice) => crowd_scene::write(run, choice),
         Table::Impostors(sheets) => impostors::write(run, sheets),

@@ -361,7 +361,7 @@ impl Crowd {
     /// Throws if there is no such character.
     #[wasm_bindgen(js_name = rootDelta)]
     pub fn root_delta(&self, i: usize) -> Result<Vec<f32>> {
-        let delta = self.player.crowd().root_delta(self.character(i)?);
+        let delta = self.moved_by(self.character(i)?);
         let [x, y, z] = delta.offset.to_array();
         Ok(vec![x, y, z, delta.yaw_radians])
     }
@@ -369,7 +369,7 @@ impl Crowd {
     /// Moves all characters by their motion in the last frame.
     pub fn travel(&mut self) -> Result<()> {
         for i in 0..self.count() {
-            let delta = self.player.crowd().root_delta(i);
+            let delta = self.moved_by(i);
             if delta == Default::default() {
                 continue;
             }
@@ -389,6 +389,11 @@ impl Crowd {
 }
 
 impl Crowd {
+    fn moved_by(&self, character: usize) -> articula::core::crowd::RootDelta {
+        let model = self.player.asset().model();
+        self.player.crowd().root_delta(model, character)
+    }
+
     fn character(&self, i: usize) -> Result<usize> {
         index("character", i, self.transforms.len())
     }

@@ -8,7 +8,7 @@
 //! from frame to frame ([`LearnedCost`]). Measured times are arguments, so recorded ones give the same
 //! frames.
 
-use super::demand::{Demand, PricedDemand};
+use super::demand::{Costs, Demand, PricedDemand};
 use super::frame::Detail;
 use super::learned_cost::{LearnedCost, Times};
 use super::model::CrowdModel;
@@ -19,23 +19,29 @@ use crate::allowance::Allowance;
 const NEAR: f32 = 2.0;
 /// Frames that are learned from before the first change.
 const FIRST_FRAMES: u32 = 8;
-/// A change has all levels chosen again, which takes time, so fewer than 5 % of the frames may: after one come
-/// so many frames without, or, where the time is exceeded by this factor, at least the second number.
-const HOLD: u32 = 32;
+/// To choose all levels again takes time, so a part of the crowd takes a change over in each of so many frames, and
+/// another change waits for it; fewer where the time is exceeded by the factor.
+const HOLD: u16 = 32;
 const URGENT: f64 = 1.15;
-const URGENT_HOLD: u32 = 6;
-/// A coarser tolerance differs by this factor at least; any but the one that is aimed at leaves a part of the
-/// time for evaluation unused, and a finer one is taken where it is finer by the last factor.
-const COARSER: f32 = 1.1;
-const USED: f64 = 0.96;
-const FINER: f32 = 1.25;
+const URGENT_HOLD: u16 = 8;
+/// A coarser tolerance differs by this factor at least, and a finer one by the last; the second number is the part of
+/// the time for evaluation that one is aimed at.
+const COARSER: f32 = 1.04;
+const USED: f64 = 0.98;
+const FINER: f32 = 1.1;
+/// Weight of a new frame in the mean of the tolerance at which the table has its work, over its own; whoever has a
+/// level keeps it up to a tolerance that is greater by the factor.
+const FIT_GAIN: f32 = 0.2;
+const KEPT: f32 = 0.8;
+/// Time over the limit that few frames exceed.
+const ALLOWED: f64 = 1.02;
 /// Part of the time for evaluation with which triangles are spared again.
 const SPARED: f64 = 0.85;
 /// Tolerance with options by the time of the processor alone, over that with those by the whole frame, from
 /// which on the former are worth their triangles.
 const WORTH_TRIANGLES: f32 = 0.9;
 /// Nominal cost over the least one that any tolerance has: what is saved below it is not worth the error.
-const WORTH: f64 = 1.02;
+const WORTH: f64 = 1.01;
 
 /// A limit to the processor time of all crowds of a frame together.
 ///
@@ -62,11 +68,22 @@ pub struct Budget {
     cap_px: f32,
     /// What this frame is allowed.
     allowance: Allowance,
-    /// Of each crowd of this frame, with the options by the cost of the frame and by that of the processor.
-    demands: Vec<[Demand; 2]>,
+    crowds: Vec<OfCrowd>,
     learned: LearnedCost,
+    /// Tolerance at which the tables have the work of frames, over that of the frames: whoever has a level keeps it
+    /// for a while.
+    fit: f32,
     /// Frames since the allowance changed.
     held: u32,
+}
+
+/// What is known of a crowd of this frame.
+#[derive(Debug, Clone, PartialEq)]
+struct OfCrowd {
+    /// Nominal work of the frame.
+    work_ns: Costs,
+    /// That by tolerance, with the options by the cost of the frame and by that of the processor.
+    demands: [Demand; 2],
 }
 
 /// What a budget did in a frame.
@@ -138,9 +155,11 @@ impl Budget {
                 px: cap_px,
                 near_px: NEAR * cap_px,
                 by_processor: false,
+                frames: HOLD,
             },
-            demands: Vec::new(),
+            crowds: Vec::new(),
             learned: LearnedCost::new(),
+            fit: 1.0,
             held: 0,
         }
     }
@@ -164,8 +183,11 @@ impl Budget {
     /// which [`observe`](Self::observe) ends. The cost of its characters by tolerance is found anew for a part of it;
     /// O(characters / 32). Does not allocate but in the first frame of a crowd.
     pub fn add(&mut self, crowd: &mut Crowd, model: &CrowdModel) {
-        let demand = crowd.demand(model, self.allowance.near_px);
-        self.demands.push(demand.clone());
+        self.crowds.push(OfCrowd {
+            work_ns: crowd.work_ns(model),
+            // Near ones become coarser up to there.
+            demands: crowd.demand(model, KEPT * self.allowance.near_px).clone(),
+        });
     }
 
     /// Ends the frame with the nanoseconds that the ticks and the evaluation of all crowds took,
@@ -173,64 +195,90 @@ impl Budget {
     /// finite change nothing.
     pub fn observe(&mut self, tick_ns: f64, evaluate_ns: f64) -> BudgetReport {
         let shown = self.allowance;
-        let demands = std::mem::take(&mut self.demands);
+        let crowds = std::mem::take(&mut self.crowds);
         let list = usize::from(shown.by_processor);
-        let work = demands.iter().map(|d| d[list].cost_ns(shown.px));
-        let expected_ns = self.learned.tick_ns() + self.learned.evaluate_ns(work.clone());
+        let work = crowds.iter().map(|c| c.work_ns);
+        let expected_ns = self.learned.tick_ns(list) + self.learned.evaluate_ns(work.clone());
         let is_time = |ns: f64| ns > 0.0 && ns.is_finite();
         let has_work = work.clone().flatten().sum::<f64>() > 0.0;
         if is_time(tick_ns) && is_time(evaluate_ns) && has_work {
             let times = Times {
                 tick_ns,
                 evaluate_ns,
-                is_kept: self.held > 0,
+                list,
             };
-            self.learned.learn(times, work);
+            self.learned.learn(times, work.clone());
             self.held = self.held.saturating_add(1);
-            let tables = [0, 1].map(|list| self.learned.priced(&demands, list));
+            let tables = self.tables(&crowds);
+            self.learn_fit(&tables[list], self.learned.evaluate_ns(work));
             let next = self.chosen(&tables);
             if next != shown {
                 self.held = 0;
             }
             self.allowance = next;
         }
+        let tables = self.tables(&crowds);
         let next = usize::from(self.allowance.by_processor);
-        let least = demands.iter().map(|d| d[1].least_ns());
-        let work = demands.iter().map(|d| d[next].cost_ns(self.allowance.px));
+        let next_ns = tables[next].cost_ns(self.fit * self.allowance.px);
         let report = BudgetReport {
             limit_ns: self.limit_ns,
             expected_ns,
-            expected_next_ns: self.learned.tick_ns() + self.learned.evaluate_ns(work),
-            floor_ns: self.learned.tick_ns() + self.learned.evaluate_ns(least),
+            expected_next_ns: self.learned.tick_ns(next) + next_ns,
+            floor_ns: self.learned.tick_ns(1) + tables[1].least_ns(),
             shown,
             next: self.allowance,
             cap_px: self.cap_px,
         };
         // The space is used again.
-        self.demands = demands;
-        self.demands.clear();
+        self.crowds = crowds;
+        self.crowds.clear();
         report
+    }
+
+    /// Expected time of evaluation by tolerance, with both lists of options.
+    fn tables(&self, crowds: &[OfCrowd]) -> [PricedDemand; 2] {
+        [0, 1].map(|list| {
+            let demands = crowds.iter().map(|c| &c.demands[list]);
+            self.learned.priced(demands)
+        })
+    }
+
+    /// Learns at which tolerance the table has the work of a frame, once all have taken that of the frame over.
+    fn learn_fit(&mut self, table: &PricedDemand, found_ns: f64) {
+        let px = self.allowance.px;
+        if self.held >= u32::from(self.allowance.frames) {
+            let told_px = table.px_within(found_ns, KEPT * px).min(px);
+            self.fit += FIT_GAIN * (told_px / px - self.fit);
+        }
     }
 
     /// What the next frame is allowed, by the expected times with both lists of options.
     fn chosen(&self, tables: &[PricedDemand; 2]) -> Allowance {
         let now = self.allowance;
-        let left_ns = self.limit_ns / self.learned.margin() - self.learned.tick_ns();
-        let expected_ns = tables[usize::from(now.by_processor)].cost_ns(now.px);
-        let is_urgent = expected_ns + self.learned.tick_ns() > URGENT * self.limit_ns;
-        let hold = if is_urgent { URGENT_HOLD } else { HOLD };
+        let all_ns = ALLOWED * self.limit_ns / self.learned.margin();
+        let left_ns = [0, 1].map(|list| all_ns - self.learned.tick_ns(list));
+        let list = usize::from(now.by_processor);
+        let expected_ns = tables[list].cost_ns(self.fit * now.px) + self.learned.tick_ns(list);
+        let is_urgent = expected_ns > URGENT * self.limit_ns;
+        let hold = u32::from(if is_urgent { URGENT_HOLD } else { now.frames });
         let is_first = self.learned.frames() == FIRST_FRAMES;
         if self.learned.frames() < FIRST_FRAMES || (self.held < hold && !is_first) {
             return now;
         }
-        let px = |table: &PricedDemand, left_ns: f64| match table.cost_ns(self.cap_px) <= left_ns {
+        let px = |list: usize, part: f64| {
+            let (table, left_ns) = (&tables[list], part * left_ns[list]);
             // What draws less may cost more, so a coarser tolerance may not fit where this one does.
-            true => self.cap_px,
-            false => table.px_within(left_ns.max(WORTH * table.least_ns()), self.cap_px),
+            if table.cost_ns(self.fit * self.cap_px) <= left_ns {
+                return self.cap_px;
+            }
+            let worth_ns = WORTH * table.least_ns();
+            // At the floor nobody is to keep a finer level.
+            let fit = if left_ns < worth_ns { KEPT } else { self.fit };
+            (table.px_within(left_ns.max(worth_ns), 0.0) / fit).max(self.cap_px)
         };
-        let by_processor = self.by_processor(tables, left_ns, &px);
-        let table = &tables[usize::from(by_processor)];
-        let (fits, with_rest) = (px(table, left_ns), px(table, USED * left_ns));
+        let by_processor = self.by_processor(&px);
+        let list = usize::from(by_processor);
+        let (fits, with_rest) = (px(list, 1.0), px(list, USED));
         let px = if by_processor != now.by_processor {
             with_rest
         } else if fits > now.px {
@@ -240,26 +288,25 @@ impl Budget {
         } else {
             now.px
         };
+        if (px, by_processor) == (now.px, now.by_processor) {
+            return now;
+        }
         Allowance {
             px,
             by_processor,
+            frames: if is_urgent { URGENT_HOLD } else { HOLD },
             ..now
         }
     }
 
     /// Whether options are chosen by processor time alone: where those by the whole frame do not fit, and need
     /// a coarser tolerance.
-    fn by_processor(
-        &self,
-        [by_frame, by_processor]: &[PricedDemand; 2],
-        left_ns: f64,
-        px: &impl Fn(&PricedDemand, f64) -> f32,
-    ) -> bool {
+    fn by_processor(&self, px: &impl Fn(usize, f64) -> f32) -> bool {
         let part = match self.allowance.by_processor {
             true => SPARED,
             false => 1.0,
         };
-        let by_frame_px = px(by_frame, part * left_ns);
-        by_frame_px > self.cap_px && px(by_processor, left_ns) < WORTH_TRIANGLES * by_frame_px
+        let by_frame_px = px(0, part);
+        by_frame_px > self.cap_px && px(1, 1.0) < WORTH_TRIANGLES * by_frame_px
     }
 }

@@ -6,6 +6,7 @@ use super::keys::Key;
 use super::mode::Choosing;
 use super::model::CrowdModel;
 use super::options::DetailOption;
+use super::places::CELL;
 use super::section::{CrowdSection, NO_OPTION};
 use super::sources::Source;
 use crate::attention::multiplier;
@@ -88,9 +89,7 @@ impl CrowdSection {
         character: usize,
         pixels_per_metre: f32,
     ) -> f32 {
-        let Some(allowance) = frame.detail.allowance() else {
-            return 0.0;
-        };
+        let allowance = self.world.cells[character / CELL].allowance();
         if self.mode.keeps && self.mode.is_culled {
             let metres_per_px = self.sight.metres_per_px[character / LANES].0[character % LANES];
             return allowance.metres(metres_per_px) * self.weights.of(character);
@@ -104,7 +103,8 @@ impl CrowdSection {
     #[inline]
     fn option(&mut self, model: &CrowdModel, character: usize, tolerance_metres: f32) -> Choice {
         let clip = self.clocks.from(character).clip();
-        let options = model.options(self.mode.cache, self.mode.by_processor);
+        let allowance = self.world.cells[character / CELL].allowance();
+        let options = model.options(self.mode.cache, allowance.by_processor);
         let options = options.of(clip);
         let shown = Some(usize::from(self.options[character])).filter(|o| *o < options.len());
         // A level is kept over a change of the clip.

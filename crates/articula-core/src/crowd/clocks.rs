@@ -1,10 +1,12 @@
 //! Clocks of all characters: the playback states, laid out so that eight advance at a time.
 //!
 //! Most steps stay within one clip and pass no event. Each character therefore has a limit up to
-//! which its time advances by an addition; only who passes it, begins or ends a fade, or has root
-//! motion is advanced one by one, by [`CharacterState::advance`], which is the plain version.
+//! which its time advances by an addition; only who passes it, begins or ends a fade, or fades with root
+//! motion is advanced one by one, by [`CharacterState::advance`], which is the plain version. Who stands still, in
+//! a clip of one pose or at the end of one that does not loop, has no limit and stays as it is.
 
 use super::character_state::{CharacterState, ClipState};
+use super::clip_times::ClipTimes;
 use super::model::CrowdModel;
 use crate::sample::Wrap;
 use crate::simd::{Backend, Kernel, LANES, Lanes, Tile, dispatch};
@@ -13,6 +15,8 @@ use crate::simd::{Backend, Kernel, LANES, Lanes, Tile, dispatch};
 const NONE: u32 = u32::MAX;
 /// Limit of a clock that has to be advanced one by one.
 const STOP: f32 = f32::NEG_INFINITY;
+/// Limit of a clock that no step changes.
+const REST: f32 = f32::INFINITY;
 
 /// Second clip of a character, and its weight.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +34,10 @@ impl Fade {
     /// whether it did.
     #[inline]
     fn advance(&mut self, dt_secs: f32) -> bool {
-        let secs = self.to.secs + self.to.speed * dt_secs;
+        let secs = match self.limit == REST {
+            true => self.to.secs,
+            false => self.to.secs + self.to.speed * dt_secs,
+        };
         let fade = self.fade + self.fade_per_sec * dt_secs;
         let goes_on = self.fade_per_sec == 0.0 || (self.fade > 0.0 && fade < 1.0);
         let within = goes_on && secs * 1f32.copysign(self.to.speed) < self.limit;
@@ -48,6 +55,8 @@ pub(crate) struct Clocks {
     /// Time within the first clip of each character, its speed, and the time in the direction of
     /// the speed up to which nothing happens.
     secs: Vec<Tile>,
+    /// That time before the last step; empty without root motion, which follows from both.
+    before: Vec<Tile>,
     speeds: Vec<Tile>,
     limits: Vec<Tile>,
     clips: Vec<(u16, Wrap)>,
@@ -63,11 +72,14 @@ impl Clocks {
     pub(crate) const BYTES: usize =
         3 * size_of::<f32>() + size_of::<(u16, Wrap)>() + size_of::<u32>();
 
-    /// So many characters, all in the same state, which is not a fade.
-    pub(crate) fn new(characters: usize, state: ClipState) -> Self {
+    /// So many characters, all in the same state, which is not a fade; with times before the last step if clips
+    /// have root motion.
+    pub(crate) fn new(characters: usize, state: ClipState, has_paths: bool) -> Self {
         let tiles = characters.div_ceil(LANES);
+        let secs = vec![Tile([state.secs; LANES]); tiles];
         Self {
-            secs: vec![Tile([state.secs; LANES]); tiles],
+            before: if has_paths { secs.clone() } else { Vec::new() },
+            secs,
             speeds: vec![Tile([state.speed; LANES]); tiles],
             // Computed in the first frame.
             limits: vec![Tile([STOP; LANES]); tiles],
@@ -100,6 +112,14 @@ impl Clocks {
             clip,
             wrap,
         }
+    }
+
+    /// Time within the first clip of a character before the last step, if clips have root motion; the time
+    /// now if it was advanced one by one.
+    #[inline]
+    pub(crate) fn secs_before(&self, character: usize) -> Option<f32> {
+        let tile = self.before.get(character / LANES)?;
+        Some(tile.0[character % LANES])
     }
 
     /// Whether a character has two clips.
@@ -139,16 +159,24 @@ impl Clocks {
     /// Replaces the state of a character and computes its limit.
     #[inline]
     pub(crate) fn settle(&mut self, model: &CrowdModel, character: usize, state: &CharacterState) {
-        let second = match state.is_fading() {
-            true => limit(model, &state.to),
-            false => STOP,
+        let limits = if !state.is_fading() {
+            [limit(model, &state.from), STOP]
+        } else if [&state.from, &state.to].map(|s| model.clip_path(s.clip()).is_some())
+            == [false; 2]
+        {
+            [limit(model, &state.from), limit(model, &state.to)]
+        } else {
+            [STOP; 2]
         };
-        self.store(character, state, [limit(model, &state.from), second]);
+        self.store(character, state, limits);
     }
 
     fn store(&mut self, character: usize, state: &CharacterState, limits: [f32; 2]) {
         let (tile, lane) = (character / LANES, character % LANES);
         self.secs[tile].0[lane] = state.from.secs;
+        if let Some(before) = self.before.get_mut(tile) {
+            before.0[lane] = state.from.secs;
+        }
         self.speeds[tile].0[lane] = state.from.speed;
         self.limits[tile].0[lane] = limits[0];
         self.clips[character] = (state.from.clip, state.from.wrap);
@@ -192,6 +220,9 @@ impl Clocks {
                 *limit = STOP;
             }
         }
+        if !self.before.is_empty() {
+            self.before.copy_from_slice(&self.secs);
+        }
         let kernel = Advance {
             dt_secs,
             clocks: self,
@@ -218,7 +249,7 @@ struct Advance<'a> {
 impl Kernel for Advance<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let dt = L::splat(self.dt_secs);
+        let (dt, rest) = (L::splat(self.dt_secs), L::splat(REST));
         let clocks = self.clocks;
         let times = clocks.secs.iter_mut().zip(&clocks.speeds);
         let limits = clocks.limits.iter().zip(&mut clocks.slow);
@@ -226,8 +257,10 @@ impl Kernel for Advance<'_> {
             let speed = L::load(&speed.0);
             let before = L::load(&secs.0);
             let after = before.add(speed.mul(dt));
-            let within = after.mul(speed.sign()).less(L::load(&limit.0));
-            L::select(within, after, before).store(secs);
+            let limit = L::load(&limit.0);
+            let within = after.mul(speed.sign()).less(limit);
+            let moves = L::both(within, limit.less(rest));
+            L::select(moves, after, before).store(secs);
             *slow = !L::bits(within);
         }
     }
@@ -238,7 +271,10 @@ fn limit(model: &CrowdModel, state: &ClipState) -> f32 {
     let ClipState { secs, speed, .. } = *state;
     let clip = state.clip();
     let duration = model.durations()[clip];
-    if model.parts().paths[clip].is_some() || !(0.0..duration).contains(&secs) {
+    if stands_still(state, duration) {
+        return REST;
+    }
+    if !(0.0..duration).contains(&secs) {
         return STOP;
     }
     let events = &model.parts().events[clip];
@@ -248,6 +284,20 @@ fn limit(model: &CrowdModel, state: &ClipState) -> f32 {
     } else {
         let last = events.iter().rfind(|e| e.secs <= secs);
         -last.map_or(0.0, |e| e.secs)
+    }
+}
+
+/// Whether no step changes the time of a clip, so that it passes no event either: it has one pose, or is at the
+/// end at which it stops.
+fn stands_still(state: &ClipState, duration: f32) -> bool {
+    let ClipState { secs, speed, .. } = *state;
+    let at_end = match speed.is_sign_positive() {
+        true => secs == duration,
+        false => secs == 0.0,
+    };
+    match state.wrap {
+        Wrap::Clamp => at_end,
+        Wrap::Loop => duration == 0.0 && secs == 0.0,
     }
 }
 
@@ -263,7 +313,7 @@ mod tests {
             clip,
             wrap: Wrap::Loop,
         };
-        let mut clocks = Clocks::new(11, of(0));
+        let mut clocks = Clocks::new(11, of(0), false);
         let mut expected = vec![CharacterState::from(of(0)); 11];
         let fade = |clip, weight| CharacterState::fading(of(clip), of(clip + 1), weight, 2.0);
         let steps = [

@@ -7,16 +7,13 @@
 use super::character_state::CharacterState;
 use super::model::CrowdModel;
 use super::options::{DetailOption, morphs_ns};
-use super::sources::Source;
+use super::sources::{FACES, KINDS, Source};
+use glam::Vec4;
 
 /// Tolerances of the table: four to an octave, from 2^-8 px on.
 const BINS: usize = 96;
 const PER_OCTAVE_BITS: u32 = 2;
 const FIRST_PX: f32 = 1.0 / 256.0;
-
-/// Kinds of work, each with a price of its own: poses that are evaluated, blended from the cache, and drawn as
-/// they are cached.
-pub(crate) const KINDS: usize = 3;
 
 /// Nominal nanoseconds of each kind of work.
 pub(crate) type Costs = [f64; KINDS];
@@ -48,14 +45,17 @@ impl Demand {
                 if error_px > most_px {
                     break;
                 }
+                // All kinds at once.
                 let savings = &mut self.savings_ns[bin_of(error_px)];
-                savings[finer.source.kind()] += finer.cost_ns;
-                savings[option.source.kind()] -= option.cost_ns;
+                let saved = Vec4::from(finer.costs_ns) - Vec4::from(option.costs_ns);
+                *savings = (Vec4::from(*savings) + saved).to_array();
             }
             finer = Some(option);
         }
         if let Some(last) = finer {
-            self.least_ns[last.source.kind()] += f64::from(last.cost_ns);
+            for (least, cost) in self.least_ns.iter_mut().zip(last.costs_ns) {
+                *least += f64::from(cost);
+            }
         }
     }
 
@@ -73,7 +73,12 @@ impl Demand {
             false => (Source::Blend, 2.0),
         };
         let parts = model.parts();
-        let cost = |level| source.cost_ns(parts, level) + poses * morphs_ns(parts, level, 0);
+        let cost = |level| {
+            [
+                source.cost_ns(parts, level),
+                poses * morphs_ns(parts, level, 0),
+            ]
+        };
         let mut least = cost(0);
         for level in 1..model.levels() {
             let error_px = model.error_metres(from, to, level) * px_per_metre;
@@ -81,24 +86,12 @@ impl Demand {
                 break;
             }
             let savings = &mut self.savings_ns[bin_of(error_px)];
-            savings[source.kind()] += least - cost(level);
-            least = cost(level);
+            let finer = std::mem::replace(&mut least, cost(level));
+            savings[source.kind()] += finer[0] - least[0];
+            savings[FACES] += finer[1] - least[1];
         }
-        self.least_ns[source.kind()] += f64::from(least);
-    }
-
-    /// Nominal nanoseconds with the cheapest option of each character, by kind of work.
-    pub(crate) fn least_ns(&self) -> Costs {
-        self.least_ns
-    }
-
-    /// Nominal nanoseconds at a tolerance, by kind of work.
-    pub(crate) fn cost_ns(&self, px: f32) -> Costs {
-        let (bin, part) = bin_and_coarser(px);
-        std::array::from_fn(|kind| {
-            let coarser: f32 = self.savings_ns[bin + 1..].iter().map(|s| s[kind]).sum();
-            self.least_ns[kind] + f64::from(coarser + part * self.savings_ns[bin][kind])
-        })
+        self.least_ns[source.kind()] += f64::from(least[0]);
+        self.least_ns[FACES] += f64::from(least[1]);
     }
 
     /// Adds the nanoseconds by tolerance at the prices of the kinds of work to a table.
@@ -189,7 +182,7 @@ mod tests {
             source: Source::Clip,
             morphs: 0,
             error_metres,
-            cost_ns,
+            costs_ns: [cost_ns, 0.0, 0.0, 0.0],
             frame_ns: cost_ns,
         };
         steps.iter().copied().map(option).collect()
@@ -218,7 +211,6 @@ mod tests {
             (5.0, 20.0),
         ] {
             assert_eq!(at.cost_ns(px), cost, "{px} px");
-            assert_eq!(demand.cost_ns(px), [cost, 0.0, 0.0], "{px} px");
         }
         assert_eq!(at.px_within(200.0, 0.25), 0.25);
         assert_eq!(at.px_within(80.0, 0.25), 1.25);
@@ -241,12 +233,13 @@ mod tests {
     #[test]
     fn each_kind_of_work_has_its_price() {
         let mut steps = options(&[(0.0, 100.0), (0.01, 40.0), (0.04, 10.0)]);
-        (steps[1].source, steps[2].source) = (Source::Cached, Source::Step);
+        steps[1].costs_ns = [0.0, 40.0, 0.0, 0.0];
+        steps[2].costs_ns = [0.0, 0.0, 4.0, 6.0];
         let mut demand = Demand::NONE;
         demand.see(&steps, 100.0, f32::INFINITY);
         let mut table = PricedDemand::NONE;
-        demand.add_priced(&[2.0, 3.0, 0.5], &mut table);
-        for (px, cost) in [(0.5, 200.0), (1.25, 120.0), (5.0, 5.0)] {
+        demand.add_priced(&[2.0, 3.0, 0.5, 1.5], &mut table);
+        for (px, cost) in [(0.5, 200.0), (1.25, 120.0), (5.0, 11.0)] {
             assert_eq!(table.cost_ns(px), cost, "{px} px");
         }
     }

@@ -5,7 +5,8 @@
 //! the prices take its difference from what was expected by their shares of it (normalised least mean
 //! squares: Widrow and Hoff 1960, with the step of Nagumo and Noda 1967).
 
-use super::demand::{Costs, Demand, KINDS, PricedDemand};
+use super::demand::{Costs, Demand, PricedDemand};
+use super::sources::KINDS;
 
 /// Weight of a new frame in the means, once there were as many as it stands for.
 const GAIN: f64 = 0.1;
@@ -20,12 +21,12 @@ const MAY_EXCEED: usize = 2;
 /// Margin that is kept before the first frames have shown how much their times vary.
 const FIRST_MARGIN: f32 = 1.03;
 
-/// Times of a frame, and whether it was shown as the one before.
+/// Times of a frame, and the list by which its options were chosen.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Times {
     pub(super) tick_ns: f64,
     pub(super) evaluate_ns: f64,
-    pub(super) is_kept: bool,
+    pub(super) list: usize,
 }
 
 /// Prices of the work of each crowd, time outside of evaluation, and how much times vary.
@@ -33,8 +34,9 @@ pub(super) struct Times {
 pub(super) struct LearnedCost {
     /// Of each crowd and kind of work, measured over nominal nanoseconds.
     prices: Vec<Costs>,
-    /// Mean time of a frame outside of evaluation, of those shown as the frame before.
-    tick_ns: f64,
+    /// Mean time of a frame outside of evaluation, with the options of each list: what evaluation writes is
+    /// what a tick finds in the cache of the processor. `None` before the first.
+    tick_ns: [Option<f64>; 2],
     frames: u32,
     /// Ratio of measured to expected time of the last of these frames, and which of them is the oldest.
     ratios: [f32; REMEMBERED],
@@ -45,7 +47,7 @@ impl LearnedCost {
     pub(super) fn new() -> Self {
         Self {
             prices: Vec::new(),
-            tick_ns: 0.0,
+            tick_ns: [None; 2],
             frames: 0,
             ratios: [FIRST_MARGIN; REMEMBERED],
             oldest: 0,
@@ -57,9 +59,11 @@ impl LearnedCost {
         self.frames
     }
 
-    /// Mean time of a frame outside of evaluation.
-    pub(super) fn tick_ns(&self) -> f64 {
-        self.tick_ns
+    /// Mean time of a frame outside of evaluation with the options of a list, or of the other while that is
+    /// not known.
+    pub(super) fn tick_ns(&self, list: usize) -> f64 {
+        let [this, other] = [list, 1 - list].map(|list| self.tick_ns[list]);
+        this.or(other).unwrap_or(0.0)
     }
 
     /// Expected time of work, one entry for each crowd; nominal where nothing is known.
@@ -68,11 +72,11 @@ impl LearnedCost {
         work.enumerate().map(of).sum()
     }
 
-    /// Expected time of all crowds by tolerance; `list` is that of their options.
-    pub(super) fn priced(&self, demands: &[[Demand; 2]], list: usize) -> PricedDemand {
+    /// Expected time of all crowds by tolerance.
+    pub(super) fn priced<'a>(&self, demands: impl Iterator<Item = &'a Demand>) -> PricedDemand {
         let mut table = PricedDemand::NONE;
-        for (crowd, demand) in demands.iter().enumerate() {
-            demand[list].add_priced(&self.prices(crowd), &mut table);
+        for (crowd, demand) in demands.enumerate() {
+            demand.add_priced(&self.prices(crowd), &mut table);
         }
         table
     }
@@ -80,24 +84,21 @@ impl LearnedCost {
     /// Learns from a frame whose work is given, one entry for each crowd; it is not nothing.
     pub(super) fn learn(&mut self, times: Times, work: impl Iterator<Item = Costs> + Clone) {
         let nominal_ns: f64 = work.clone().flatten().sum();
-        if self.frames == 0 {
-            self.tick_ns = times.tick_ns;
-        }
         let known = self.prices.len();
         let price = (times.evaluate_ns / nominal_ns).clamp(PRICES[0], PRICES[1]);
         self.prices
             .extend(work.clone().skip(known).map(|_| [price; KINDS]));
         self.frames = self.frames.saturating_add(1);
         let expected_ns = self.evaluate_ns(work.clone());
-        if times.is_kept && self.frames > 1 {
+        let gain = GAIN.max(1.0 / f64::from(self.frames));
+        let tick_ns = self.tick_ns[times.list].unwrap_or(times.tick_ns);
+        if self.frames > 1 {
             let measured = times.tick_ns + times.evaluate_ns;
-            self.ratios[self.oldest] = (measured / (self.tick_ns + expected_ns)) as f32;
+            self.ratios[self.oldest] = (measured / (tick_ns + expected_ns)) as f32;
             self.oldest = (self.oldest + 1) % REMEMBERED;
         }
-        let gain = GAIN.max(1.0 / f64::from(self.frames));
-        if times.is_kept {
-            self.tick_ns += gain * (times.tick_ns.min(OUTLIER * self.tick_ns) - self.tick_ns);
-        }
+        let tick_error_ns = times.tick_ns.min(OUTLIER * tick_ns) - tick_ns;
+        self.tick_ns[times.list] = Some(tick_ns + gain * tick_error_ns);
         let error_ns = times.evaluate_ns.min(OUTLIER * expected_ns) - expected_ns;
         let squares: f64 = work.clone().map(|costs| dot(&costs, &costs)).sum();
         for (prices, costs) in self.prices.iter_mut().zip(work) {
@@ -130,18 +131,18 @@ mod tests {
     /// Two crowds whose true prices no constant tells, shown with changing shares of their kinds of work.
     #[test]
     fn the_prices_of_each_crowd_are_learned_from_sums() {
-        let truth: [Costs; 2] = [[3.0, 0.5, 1.0], [0.8, 2.0, 4.0]];
+        let truth: [Costs; 2] = [[3.0, 0.5, 1.0, 2.0], [0.8, 2.0, 4.0, 0.5]];
         let mut learned = LearnedCost::new();
         let mut last = f64::INFINITY;
         for frame in 0..2000_u32 {
             let share = |i: u32| f64::from(1 + frame * (2 * i + 3) % 101) / 101.0;
-            let work = [0, 3].map(|c| [0, 1, 2].map(|k| 1000.0 * share(c + k)));
+            let work = [0, 4].map(|c| [0, 1, 2, 3].map(|k| 1000.0 * share(c + k)));
             let evaluate_ns = work.iter().zip(&truth).map(|(w, t)| dot(w, t)).sum();
             last = learned.evaluate_ns(work.into_iter()) / evaluate_ns;
             let times = Times {
                 tick_ns: 500.0,
                 evaluate_ns,
-                is_kept: true,
+                list: 0,
             };
             learned.learn(times, work.into_iter());
         }
@@ -149,17 +150,17 @@ mod tests {
         for (found, truth) in learned.prices.iter().flatten().zip(truth.iter().flatten()) {
             assert!((found / truth - 1.0).abs() < 0.05, "{:?}", learned.prices);
         }
-        assert!((learned.tick_ns() - 500.0).abs() < 1e-6);
+        assert!((learned.tick_ns(0) - 500.0).abs() < 1e-6);
     }
 
     #[test]
     fn an_interrupted_frame_is_no_price() {
         let mut learned = LearnedCost::new();
-        let work = || std::iter::once([100.0, 0.0, 0.0]);
+        let work = || std::iter::once([100.0, 0.0, 0.0, 0.0]);
         let times = |evaluate_ns| Times {
             tick_ns: 10.0,
             evaluate_ns,
-            is_kept: true,
+            list: 0,
         };
         for frame in 0..100 {
             let ns = if frame == 80 { 1e9 } else { 200.0 };

@@ -9,8 +9,6 @@ use crate::visibility::View;
 pub(super) struct Mode {
     pub(super) choosing: Choosing,
     pub(super) cache: CacheUse,
-    /// Whether options are chosen by processor time alone.
-    pub(super) by_processor: bool,
     /// Whether tolerances follow from pixels per metre, importance and scale, so that a level holds while
     /// they stay in its range.
     pub(super) keeps: bool,
@@ -33,16 +31,10 @@ impl Mode {
     pub(super) const NONE: Self = Self {
         choosing: Choosing::Fixed(0),
         cache: CacheUse::Never,
-        by_processor: false,
         keeps: false,
         skips: false,
         is_culled: false,
     };
-
-    /// Whether options are those of the same lists.
-    pub(super) fn has_options_of(&self, other: Self) -> bool {
-        (self.cache, self.by_processor) == (other.cache, other.by_processor)
-    }
 
     pub(super) fn of(model: &CrowdModel, frame: &Frame<'_>) -> Self {
         let views = match frame.culling {
@@ -59,7 +51,6 @@ impl Mode {
         Self {
             choosing,
             cache: frame.cache,
-            by_processor: frame.detail.allowance().is_some_and(|a| a.by_processor),
             keeps,
             skips: keeps && !has_margins && !views.iter().any(View::has_occlusion),
             is_culled: matches!(frame.culling, Culling::Views(_)),

@@ -7,7 +7,7 @@
 
 use super::frame::CacheUse;
 use super::parts::CrowdParts;
-use super::sources::Source;
+use super::sources::{FACES, KINDS, Source};
 
 /// Nanoseconds of a set of morph target weights, on the machine of `docs/methods/runtime.md` part 1, and
 /// of each target in it that is shown.
@@ -35,9 +35,9 @@ pub(crate) struct DetailOption {
     pub(crate) morphs: u8,
     /// Error of the level, of the source and of the morph level together, metres.
     pub(crate) error_metres: f32,
-    /// Expected nanoseconds of this processor.
-    pub(crate) cost_ns: f32,
-    /// The same with what the renderer draws: by it options are chosen.
+    /// Expected nanoseconds of this processor, by kind of work.
+    pub(crate) costs_ns: [f32; KINDS],
+    /// Their sum with what the renderer draws: by it options are chosen.
     pub(crate) frame_ns: f32,
 }
 
@@ -74,7 +74,7 @@ impl OptionLists {
                         source,
                         morphs: 0,
                         error_metres: errors[level] + added,
-                        cost_ns,
+                        costs_ns: of_kind(source.kind(), cost_ns),
                         frame_ns: cost_ns + cost.drawn_ns(parts, level),
                     })
                 })
@@ -133,16 +133,25 @@ fn with_morph_levels(
         let each = errors.iter().enumerate();
         each.map(move |(morph_level, error)| {
             let face_ns = morphs_ns(parts, level, morph_level);
+            let mut costs_ns = option.costs_ns;
+            costs_ns[FACES] = face_ns;
             DetailOption {
                 morphs: morph_level as u8,
                 error_metres: option.error_metres + error,
-                cost_ns: option.cost_ns + face_ns,
+                costs_ns,
                 frame_ns: option.frame_ns + face_ns,
                 ..option
             }
         })
     });
     at_each.collect()
+}
+
+/// Nanoseconds of one kind of work.
+fn of_kind(kind: usize, ns: f32) -> [f32; KINDS] {
+    let mut costs = [0.0; KINDS];
+    costs[kind] = ns;
+    costs
 }
 
 impl CostOf {
@@ -187,7 +196,7 @@ fn impostor(
         // The last morph level shows no target.
         morphs: if shows { faces.len() as u8 - 1 } else { 0 },
         error_metres: impostors.error_metres(clip)? + faces.last().copied().unwrap_or(0.0),
-        cost_ns,
+        costs_ns: of_kind(Source::Impostor.kind(), cost_ns),
         frame_ns: cost_ns,
     })
 }
@@ -203,7 +212,7 @@ mod tests {
             source: Source::Clip,
             morphs: 0,
             error_metres,
-            cost_ns,
+            costs_ns: of_kind(0, cost_ns),
             frame_ns: cost_ns,
         }
     }
@@ -234,11 +243,11 @@ mod tests {
             let kept = undominated(all.clone());
             for pair in kept.windows(2) {
                 prop_assert!(pair[0].error_metres < pair[1].error_metres);
-                prop_assert!(pair[0].cost_ns > pair[1].cost_ns);
+                prop_assert!(pair[0].frame_ns > pair[1].frame_ns);
             }
             let within = |o: &&DetailOption| o.error_metres <= tolerance;
-            let least = all.iter().filter(within).map(|o| o.cost_ns).min_by(f32::total_cmp);
-            let last = kept.iter().rfind(within).map(|o| o.cost_ns);
+            let least = all.iter().filter(within).map(|o| o.frame_ns).min_by(f32::total_cmp);
+            let last = kept.iter().rfind(within).map(|o| o.frame_ns);
             prop_assert_eq!(last, least);
         }
     }

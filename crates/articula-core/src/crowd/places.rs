@@ -7,6 +7,7 @@
 //! neighbours in the world are neighbours in the order gain most.
 
 use super::frame::{Frame, Moved};
+use crate::allowance::Allowance;
 use crate::simd::{LANES, Tile};
 use crate::sphere::Sphere;
 use crate::visibility::{Spheres, carry_four, filled};
@@ -36,10 +37,22 @@ pub(crate) struct Cell {
     pub(crate) is_fresh: bool,
     /// Whether the views have changed since the characters were last looked at.
     pub(crate) is_stale: bool,
+    /// What its characters are allowed; `None` before their first frame.
+    pub(crate) allowance: Option<Allowance>,
+    /// Whether that is new since the characters were last looked at.
+    pub(crate) has_new_allowance: bool,
     /// Tolerances in metres at which every visible character keeps its level.
     pub(crate) keeps: [f32; 2],
     /// Upper bound on the error of the visible characters, pixels.
     pub(crate) bound_px: f32,
+}
+
+impl Cell {
+    /// What its characters are allowed.
+    #[inline]
+    pub(crate) fn allowance(&self) -> Allowance {
+        self.allowance.unwrap_or(Allowance::of(1.0))
+    }
 }
 
 /// World-space bounds of all characters.
@@ -70,6 +83,8 @@ impl WorldBounds {
             in_margin: 0,
             is_fresh: true,
             is_stale: false,
+            allowance: None,
+            has_new_allowance: false,
             keeps: ANEW,
             bound_px: 0.0,
         };

@@ -81,6 +81,12 @@ impl DrawList {
         self.with_morphs.iter().sum()
     }
 
+    /// Characters with a set of morph target weights, in the order of the sets.
+    pub(super) fn with_sets(&self) -> impl Iterator<Item = u32> {
+        let lists = self.characters.iter().zip(self.with_morphs);
+        lists.flat_map(|(characters, with_morphs)| characters[..with_morphs].iter().copied())
+    }
+
     /// Character of a set of morph target weights.
     pub(crate) fn character_of(&self, mut set: usize) -> usize {
         for (characters, with_morphs) in self.characters.iter().zip(self.with_morphs) {

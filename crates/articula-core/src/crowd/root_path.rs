@@ -102,10 +102,15 @@ impl RootTrajectory {
     /// Root motion from one time to another, with the clip's end passed `laps` times (negative:
     /// backwards).
     pub fn step(&self, from_secs: f32, to_secs: f32, laps: i32) -> RootDelta {
-        let back = self.at(from_secs).inverse();
+        let from = self.at(from_secs);
         if laps == 0 {
-            return back.then(self.at(to_secs));
+            let to = self.at(to_secs);
+            return RootDelta {
+                offset: turned(to.offset - from.offset, -from.yaw_radians),
+                yaw_radians: to.yaw_radians - from.yaw_radians,
+            };
         }
+        let back = from.inverse();
         let start = self.places[0];
         let lap = start.inverse().then(self.places[self.places.len() - 1]);
         let lap = if laps < 0 { lap.inverse() } else { lap };

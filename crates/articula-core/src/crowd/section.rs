@@ -4,6 +4,7 @@
 //! and one stays in the cache of a processor from the clocks to the sorted keys.
 
 use super::character_state::{CharacterState, ClipState};
+use super::clip_times::ClipTimes;
 use super::clocks::Clocks;
 use super::demand::Demand;
 use super::frame::{CrowdEvent, Frame};
@@ -11,6 +12,7 @@ use super::keys::{Key, SectionKeys};
 use super::mode::{Choosing, Mode};
 use super::model::CrowdModel;
 use super::morph_levels::MorphLevels;
+use super::options::morphs_ns;
 use super::places::{ANEW, CELL, CELL_TILES, WorldBounds};
 use super::root_path::RootDelta;
 use super::weights::Weights;
@@ -38,16 +40,31 @@ pub(super) struct Step<'a> {
     pub(super) frame: &'a Frame<'a>,
     pub(super) views: &'a [View<'a>],
     pub(super) mode: Mode,
-    /// Tolerance, or 1 pixel.
+    /// Tolerance, or 1 pixel, and whose turn it is to take it over.
     pub(super) allowance: Allowance,
+    pub(super) turn: Turn,
     pub(super) dt_secs: f32,
     /// Seconds since the first frame.
     pub(super) now_secs: f64,
-    /// Whether mode, the lists of options, views and tolerance are those of the frame before.
+    /// Whether mode, the lists of options and views are those of the frame before.
     pub(super) same_mode: bool,
     pub(super) same_options: bool,
     pub(super) same_views: bool,
-    pub(super) same_allowance: bool,
+}
+
+/// Cells of a crowd that follow each other, in a circle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn {
+    pub(super) first: usize,
+    pub(super) count: usize,
+    /// Number of all cells.
+    pub(super) cells: usize,
+}
+
+impl Turn {
+    fn has(self, cell: usize) -> bool {
+        (cell + self.cells - self.first) % self.cells < self.count
+    }
 }
 
 /// Sums over the characters of a section.
@@ -70,7 +87,9 @@ pub struct CrowdSection {
     pub(super) world: WorldBounds,
     /// Characters whose model-space bound has to be looked up, one bit each.
     renew: Vec<u8>,
-    pub(super) roots: Vec<RootDelta>,
+    /// Root motion of those who were advanced one by one in the last step and moved, by rising character; that of
+    /// the others follows from their times.
+    roots: Vec<(u32, RootDelta)>,
     /// Level and source of each character, its index among the options of its clip, and the range
     /// of tolerances in metres in which it keeps them.
     pub(super) keys: SectionKeys,
@@ -98,14 +117,15 @@ pub struct CrowdSection {
 impl CrowdSection {
     /// Characters `first` to `first + len` of a crowd, all playing the first clip from its beginning.
     pub(super) fn new(model: &CrowdModel, first: usize, len: usize) -> Self {
-        let clocks = Clocks::new(len, ClipState::new(&model.parts().clips, 0));
+        let first_state = ClipState::new(&model.parts().clips, 0);
+        let clocks = Clocks::new(len, first_state, model.has_paths());
         let tiles = clocks.tiles();
         Self {
             first,
             bounds: vec![Sphere::default(); len],
             world: WorldBounds::new(len),
             renew: vec![u8::MAX; tiles],
-            roots: vec![RootDelta::default(); if model.has_paths() { len } else { 0 }],
+            roots: Vec::with_capacity(if model.has_paths() { len } else { 0 }),
             keys: SectionKeys::new(first, len, model.levels(), model.morphs().0),
             options: vec![NO_OPTION; len],
             morphs: MorphLevels::new(model, len),
@@ -133,10 +153,30 @@ impl CrowdSection {
     pub(super) fn play(&mut self, character: usize, state: &CharacterState) {
         self.clocks.set(character, state);
         self.renew[character / LANES] |= 1 << (character % LANES);
-        if let Some(root) = self.roots.get_mut(character) {
-            *root = RootDelta::default();
+        if let Ok(at) = self.known_root(character) {
+            self.roots.remove(at);
         }
         self.forget(character);
+    }
+
+    fn known_root(&self, character: usize) -> Result<usize, usize> {
+        let of = |(c, _): &(u32, RootDelta)| *c;
+        self.roots.binary_search_by_key(&(character as u32), of)
+    }
+
+    /// Root motion of a character in the last tick.
+    pub(super) fn root_delta(&self, model: &CrowdModel, character: usize) -> RootDelta {
+        if let Ok(at) = self.known_root(character) {
+            return self.roots[at].1;
+        }
+        let from = self.clocks.from(character);
+        let path = model
+            .clip_path(from.clip())
+            .filter(|_| !self.clocks.is_fading(character));
+        let way = path.zip(self.clocks.secs_before(character));
+        way.map_or(RootDelta::default(), |(path, before)| {
+            path.step(before, from.secs, 0)
+        })
     }
 
     /// Advances the clocks, looks through the views and chooses levels.
@@ -146,6 +186,8 @@ impl CrowdSection {
         self.renew_bounds(step);
         self.world.update(&frame, &self.bounds);
         self.weigh(&frame);
+        self.change_mode(step);
+        self.take_over(step);
         self.look(step, &frame);
         self.choose(step, &frame, tell);
         self.is_ticked = true;
@@ -160,6 +202,7 @@ impl CrowdSection {
 
     /// Advances clocks and root motion, and reports events.
     fn advance(&mut self, step: &Step<'_>, tell: &mut dyn FnMut(CrowdEvent)) {
+        self.roots.clear();
         self.clocks
             .advance(step.model.parts().backend, step.dt_secs);
         for tile in 0..self.clocks.tiles() {
@@ -182,14 +225,9 @@ impl CrowdSection {
                 weight,
             });
         });
-        if way == RootDelta::default() {
-            self.clocks.settle(step.model, character, &state);
-        } else {
-            // Also where no clip has root motion any more: the next step is zero, and is stored.
-            self.clocks.set(character, &state);
-        }
-        if let Some(root) = self.roots.get_mut(character) {
-            *root = way;
+        self.clocks.settle(step.model, character, &state);
+        if way != RootDelta::default() {
+            self.roots.push((character as u32, way));
         }
         let fades = |state: &CharacterState| (state.is_fading(), state.fade != 0.0);
         if fades(&before) != fades(&state) {
@@ -266,69 +304,129 @@ impl CrowdSection {
         }
     }
 
-    /// Finds what the views see of the characters of the cells in which that may have changed.
-    fn look(&mut self, step: &Step<'_>, frame: &Frame<'_>) {
-        let Step {
-            mode,
-            views,
-            allowance,
-            ..
-        } = *step;
-        self.mode = mode;
-        if !step.same_mode {
-            self.keep_least.fill(Tile([ANEW[0]; LANES]));
-            self.keep_most.fill(Tile([ANEW[1]; LANES]));
-            if !step.same_options {
-                self.options.fill(NO_OPTION);
-            }
-            self.world.cells.iter_mut().for_each(|c| c.is_fresh = true);
+    /// Has all levels chosen again where they are chosen in another way than in the frame before.
+    fn change_mode(&mut self, step: &Step<'_>) {
+        self.mode = step.mode;
+        if step.same_mode {
+            return;
         }
-        self.tiles.clear();
-        let count = self.len();
-        let tiles = self.clocks.tiles();
-        for (c, cell) in self.world.cells.iter_mut().enumerate() {
-            let may_skip = mode.skips && !cell.is_fresh;
-            if may_skip && step.same_views && (step.same_allowance || cell.visible == 0) {
+        self.keep_least.fill(Tile([ANEW[0]; LANES]));
+        self.keep_most.fill(Tile([ANEW[1]; LANES]));
+        if !step.same_options {
+            self.options.fill(NO_OPTION);
+        }
+        self.world.cells.iter_mut().for_each(|c| c.is_fresh = true);
+    }
+
+    /// Gives the cells whose turn it is what the frame allows.
+    fn take_over(&mut self, step: &Step<'_>) {
+        let allowed = Allowance {
+            frames: 1,
+            ..step.allowance
+        };
+        for c in 0..self.world.cells.len() {
+            let cell = &mut self.world.cells[c];
+            let before = cell.allowance;
+            let is_due = before.is_none() || step.turn.has(self.first / CELL + c);
+            if !is_due || before == Some(allowed) {
                 continue;
             }
-            if may_skip && mode.is_culled {
-                let [least, most] = cell.keeps;
-                let members = (count - c * CELL).min(CELL);
-                let skips = match look_at_box(views, cell.least, cell.greatest) {
-                    BoxSight::Nothing => cell.visible == 0 && cell.in_margin == 0,
-                    BoxSight::All([low, high]) => {
-                        usize::from(cell.visible) == members
-                            && least <= allowance.metres(low)
-                            && allowance.metres(high) < most
-                    }
-                    BoxSight::Some => false,
-                };
-                if skips {
-                    cell.is_stale = true;
-                    if cell.visible > 0 {
-                        // Whoever keeps a level is within the tolerance.
-                        cell.bound_px = allowance.px * self.weights.most_multiplier();
-                    }
-                    continue;
-                }
+            cell.allowance = Some(allowed);
+            cell.has_new_allowance = true;
+            if before.is_none_or(|b| b.by_processor == allowed.by_processor) {
+                continue;
             }
+            // Options of another list.
             cell.is_fresh = true;
+            let tiles = c * CELL_TILES..((c + 1) * CELL_TILES).min(self.keep_least.len());
+            self.keep_least[tiles.clone()].fill(Tile([ANEW[0]; LANES]));
+            self.keep_most[tiles].fill(Tile([ANEW[1]; LANES]));
+            let characters = c * CELL..((c + 1) * CELL).min(self.options.len());
+            self.options[characters].fill(NO_OPTION);
+        }
+    }
+
+    /// Finds what the views see of the characters of the cells in which that may have changed.
+    fn look(&mut self, step: &Step<'_>, frame: &Frame<'_>) {
+        self.tiles.clear();
+        let tiles = self.clocks.tiles();
+        let mut allowance = Allowance::of(1.0);
+        for c in 0..self.world.cells.len() {
+            if self.skips(step, c) {
+                continue;
+            }
+            let cell = &mut self.world.cells[c];
+            cell.is_fresh = true;
+            // Those that are allowed the same are looked at together.
+            let own = cell.allowance();
+            if own != allowance && !self.tiles.is_empty() {
+                self.look_at_tiles(step, frame, allowance);
+            }
+            allowance = own;
             let of_cell = c * CELL_TILES..((c + 1) * CELL_TILES).min(tiles);
             self.tiles.extend(of_cell.map(|tile| tile as u32));
         }
-        let bands = Bands {
-            allowance,
-            least: &self.keep_least,
-            most: &self.keep_most,
+        self.look_at_tiles(step, frame, allowance);
+    }
+
+    /// Whether nothing can have changed in a cell.
+    fn skips(&mut self, step: &Step<'_>, c: usize) -> bool {
+        let mode = step.mode;
+        let members = (self.len() - c * CELL).min(CELL);
+        let cell = &mut self.world.cells[c];
+        let has_new_allowance = std::mem::replace(&mut cell.has_new_allowance, false);
+        if !mode.skips || cell.is_fresh {
+            return false;
+        }
+        if step.same_views && (!has_new_allowance || cell.visible == 0) {
+            return true;
+        }
+        if !mode.is_culled {
+            return false;
+        }
+        let ([least, most], allowance) = (cell.keeps, cell.allowance());
+        let skips = match look_at_box(step.views, cell.least, cell.greatest) {
+            BoxSight::Nothing => cell.visible == 0 && cell.in_margin == 0,
+            BoxSight::All([low, high]) => {
+                usize::from(cell.visible) == members
+                    && least <= allowance.metres(low)
+                    && allowance.metres(high) < most
+            }
+            BoxSight::Some => false,
         };
-        if mode.is_culled {
+        if skips {
+            cell.is_stale = true;
+            if cell.visible > 0 {
+                // Whoever keeps a level is within the tolerance.
+                cell.bound_px = allowance.px * self.weights.most_multiplier();
+            }
+        }
+        skips
+    }
+
+    /// Looks at the tiles that are noted.
+    fn look_at_tiles(&mut self, step: &Step<'_>, frame: &Frame<'_>, allowance: Allowance) {
+        if step.mode.is_culled {
+            let bands = Bands {
+                allowance,
+                least: &self.keep_least,
+                most: &self.keep_most,
+            };
             let spheres = self.world.spheres(self.first / LANES);
             let bodies = (spheres, frame.cull_margin_metres);
             let backend = step.model.parts().backend;
-            look(backend, views, bodies, bands, &self.tiles, &mut self.sight);
+            look(
+                backend,
+                step.views,
+                bodies,
+                bands,
+                &self.tiles,
+                &mut self.sight,
+            );
         } else {
-            self.sight.see_all(&self.tiles, count);
+            self.sight.see_all(&self.tiles, self.clocks.len());
         }
+        self.tiles.clear();
     }
 
     /// Chooses levels where they may have changed, and sorts the characters by level and source.
@@ -421,13 +519,13 @@ impl CrowdSection {
     }
 
     /// Adds the cost of the visible characters of a cell by tolerance, with their options by the cost of the
-    /// frame and by that of the processor. Near ones are off by at most `near_px`.
+    /// frame, list 0, or by that of the processor. Near ones are off by at most `near_px`.
     pub(super) fn add_demand(
         &self,
         model: &CrowdModel,
-        cell: usize,
+        (cell, list): (usize, usize),
         near_px: f32,
-        sums: &mut [Demand; 2],
+        sum: &mut Demand,
     ) {
         if self.world.cells[cell].visible == 0 {
             return;
@@ -436,8 +534,9 @@ impl CrowdSection {
             px: f32::INFINITY,
             near_px,
             by_processor: false,
+            frames: 1,
         };
-        let lists = [false, true].map(|by| model.options(self.mode.cache, by));
+        let options = model.options(self.mode.cache, list == 1);
         for character in cell * CELL..((cell + 1) * CELL).min(self.len()) {
             if self.keys.get(character) == Key::HIDDEN {
                 continue;
@@ -445,15 +544,23 @@ impl CrowdSection {
             let density = self.pixels_per_metre(character);
             let most_px = most.px_at(1.0 / density);
             let pixels_per_metre = density / self.weights.of(character);
-            for (sum, list) in sums.iter_mut().zip(lists) {
-                if self.clocks.is_fading(character) {
-                    let state = self.clocks.state(character);
-                    sum.see_fading(model, &state, pixels_per_metre, most_px);
-                } else {
-                    let clip = self.clocks.from(character).clip();
-                    sum.see(list.of(clip), pixels_per_metre, most_px);
-                }
+            if self.clocks.is_fading(character) {
+                let state = self.clocks.state(character);
+                sum.see_fading(model, &state, pixels_per_metre, most_px);
+            } else {
+                let clip = self.clocks.from(character).clip();
+                sum.see(options.of(clip), pixels_per_metre, most_px);
             }
+        }
+    }
+
+    /// Nominal nanoseconds of the morph target weights of a character that has a set of them.
+    pub(super) fn morphs_ns(&self, model: &CrowdModel, character: usize) -> f32 {
+        let level = self.keys.get(character).level().unwrap_or(0);
+        let ns = morphs_ns(model.parts(), level, self.morphs.get(character));
+        match self.clocks.is_fading(character) {
+            true => 2.0 * ns,
+            false => ns,
         }
     }
 

@@ -18,6 +18,12 @@ const STEP_NS: f32 = 3.5;
 /// The same of a draw of an impostor, which looks up a pose.
 const IMPOSTOR_NS: f32 = 3.5;
 
+/// Kinds of work, each with a price of its own: poses that are evaluated, blended from the cache, and drawn as
+/// they are cached, and weights of morph targets.
+pub(crate) const KINDS: usize = 4;
+/// The kind of the weights of morph targets.
+pub(crate) const FACES: usize = 3;
+
 /// Source of a character's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {

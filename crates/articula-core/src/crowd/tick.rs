@@ -2,7 +2,7 @@
 
 use super::character_state::{CharacterState, ClipState};
 use super::clocks::Clocks;
-use super::demand::Demand;
+use super::demand::{Costs, Demand};
 use super::frame::{CrowdEvent, CrowdReport, Culling, Frame, Moved};
 use super::keys::SectionKeys;
 use super::mode::Mode;
@@ -10,8 +10,8 @@ use super::model::CrowdModel;
 use super::places::{CELL, WorldBounds};
 use super::plan::Plan;
 use super::root_path::RootDelta;
-use super::section::{CrowdSection, SECTION, SECTION_CELLS, Step};
-use super::sources::{Source, evaluated};
+use super::section::{CrowdSection, SECTION, SECTION_CELLS, Step, Turn};
+use super::sources::{FACES, KINDS, Source, evaluated};
 use crate::allowance::Allowance;
 use crate::simd::LANES;
 use crate::sphere::Sphere;
@@ -21,11 +21,12 @@ use crate::visibility::{CullResult, View, Visibility, look_at_one};
 const SWEEP_FRAMES: usize = 32;
 
 /// Cost by tolerance, summed up cell by cell, with the options by the cost of the frame and by that of the
-/// processor.
+/// processor, in turns.
 #[derive(Debug, Clone)]
 struct Sweep {
     whole: [Demand; 2],
-    part: [Demand; 2],
+    part: Demand,
+    list: usize,
     next_cell: usize,
     is_first: bool,
 }
@@ -34,7 +35,8 @@ impl Sweep {
     fn new() -> Self {
         Self {
             whole: [Demand::NONE; 2],
-            part: [Demand::NONE; 2],
+            part: Demand::NONE,
+            list: 0,
             next_cell: 0,
             is_first: true,
         }
@@ -49,10 +51,11 @@ pub struct Crowd {
     pub(super) sections: Vec<CrowdSection>,
     /// Seconds since the first frame.
     now_secs: f64,
-    /// Views, mode and tolerance of the last frame.
+    /// Views and mode of the last frame.
     views: Vec<View<'static>>,
     mode: Option<Mode>,
-    allowance: Option<Allowance>,
+    /// The first cell that next takes over what a frame allows.
+    next_turn: usize,
     pub(super) plan: Plan,
     sweep: Sweep,
 }
@@ -69,7 +72,7 @@ impl Crowd {
             now_secs: 0.0,
             views: Vec::with_capacity(8),
             mode: None,
-            allowance: None,
+            next_turn: 0,
             plan: Plan::new(characters, levels),
             sweep: Sweep::new(),
         }
@@ -221,13 +224,26 @@ impl Crowd {
             views,
             mode,
             allowance,
+            turn: self.turn(allowance),
             dt_secs,
             now_secs: self.now_secs,
             same_mode: before == Some(mode),
-            same_options: before.is_some_and(|b| b.has_options_of(mode)),
+            same_options: before.is_some_and(|b| b.cache == mode.cache),
             same_views,
-            same_allowance: self.allowance.replace(allowance) == Some(allowance),
         }
+    }
+
+    /// The cells that take over an allowance in this frame, so many that all have had their turn within as many
+    /// frames as it names.
+    fn turn(&mut self, allowance: Allowance) -> Turn {
+        let cells = self.characters.div_ceil(CELL);
+        let turn = Turn {
+            first: self.next_turn,
+            count: cells.div_ceil(usize::from(allowance.frames).max(1)),
+            cells,
+        };
+        self.next_turn = (turn.first + turn.count) % cells.max(1);
+        turn
     }
 
     /// Plans the evaluation.
@@ -278,34 +294,56 @@ impl Crowd {
         report
     }
 
-    /// Cost of the visible characters by tolerance, with the options by the cost of the frame and by that of
-    /// the processor, where near ones are off by at most `near_px`. A thirty-second of the cells are summed up
-    /// anew in each call, all of them in the first.
-    pub(super) fn demand(&mut self, model: &CrowdModel, near_px: f32) -> &[Demand; 2] {
-        let count = self.characters.div_ceil(CELL);
-        let Sweep {
-            whole,
-            part,
-            next_cell,
-            is_first,
-        } = &mut self.sweep;
-        let steps = if *is_first {
-            count
-        } else {
-            count.div_ceil(SWEEP_FRAMES)
-        };
-        for _ in 0..steps {
-            let section = &self.sections[*next_cell / SECTION_CELLS];
-            section.add_demand(model, *next_cell % SECTION_CELLS, near_px, part);
-            *next_cell += 1;
-            if *next_cell >= count {
-                *next_cell = 0;
-                *is_first = false;
-                *whole = std::mem::replace(part, [Demand::NONE; 2]);
-                break;
+    /// Nominal nanoseconds of the planned frame, by kind of work. O(levels, and sets of morph target weights).
+    pub(super) fn work_ns(&self, model: &CrowdModel) -> Costs {
+        let mut work = [0.0; KINDS];
+        for (level, counts) in self.plan.counts().iter().enumerate() {
+            for source in Source::ALL {
+                let count = counts[source as usize];
+                if count > 0 {
+                    let ns = source.cost_ns(model.parts(), level);
+                    work[source.kind()] += count as f64 * f64::from(ns);
+                }
             }
         }
-        whole
+        for character in self.draw_list().with_sets() {
+            let (section, character) = self.at(character as usize);
+            work[FACES] += f64::from(section.morphs_ns(model, character));
+        }
+        work
+    }
+
+    /// Cost of the visible characters by tolerance, with the options by the cost of the frame and by that of
+    /// the processor, where near ones are off by at most `near_px`. A thirty-second of the cells are summed up
+    /// anew in each call for one of the two, all of them for both in the first.
+    pub(super) fn demand(&mut self, model: &CrowdModel, near_px: f32) -> &[Demand; 2] {
+        let count = self.characters.div_ceil(CELL);
+        if std::mem::replace(&mut self.sweep.is_first, false) {
+            for _ in 0..2 {
+                self.sum_up(model, near_px, count);
+            }
+        } else {
+            self.sum_up(model, near_px, count.div_ceil(SWEEP_FRAMES));
+        }
+        &self.sweep.whole
+    }
+
+    /// Sums up the next so many cells, but none of another list of options.
+    fn sum_up(&mut self, model: &CrowdModel, near_px: f32, steps: usize) {
+        let count = self.characters.div_ceil(CELL);
+        let sweep = &mut self.sweep;
+        let last = (sweep.next_cell + steps).min(count);
+        for cell in sweep.next_cell..last {
+            let section = &self.sections[cell / SECTION_CELLS];
+            let of = (cell % SECTION_CELLS, sweep.list);
+            section.add_demand(model, of, near_px, &mut sweep.part);
+        }
+        sweep.next_cell = last;
+        if last == count {
+            sweep.next_cell = 0;
+            sweep.whole[sweep.list] = std::mem::replace(&mut sweep.part, Demand::NONE);
+            sweep.list = 1 - sweep.list;
+        }
     }
 
     /// Level at which a character is shown; `None` if it is not visible.
@@ -350,9 +388,9 @@ impl Crowd {
     }
 
     /// Root motion of a character in the last tick, in the space of its root; zero if no clip has a
-    /// trajectory. Hidden characters move too.
-    pub fn root_delta(&self, character: usize) -> RootDelta {
+    /// trajectory. Hidden characters move too. The model is the one of that tick.
+    pub fn root_delta(&self, model: &CrowdModel, character: usize) -> RootDelta {
         let (section, character) = self.at(character);
-        section.roots.get(character).copied().unwrap_or_default()
+        section.root_delta(model, character)
     }
 }

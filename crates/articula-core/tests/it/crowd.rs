@@ -293,7 +293,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             }
         });
         secs += f64::from(dt_secs);
-        position += facing * crowd.root_delta(0).offset;
+        position += facing * crowd.root_delta(&model, 0).offset;
         if crowd.level(0).is_some() {
             first_seen = Some(i);
             break;

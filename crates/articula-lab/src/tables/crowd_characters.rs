@@ -10,6 +10,7 @@ use articula::crowd::{
 use articula::{Executor, Figure};
 use articula_build::{Plaza, plaza};
 use articula_report::{FRAME_CLOCKS, crowd_for_sizes, thread_ns};
+use clap::Args;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::slice::from_ref;
@@ -22,6 +23,8 @@ const BUDGET_FRAMES: usize = 5 * FRAMES;
 const SEED: u64 = 1;
 /// Tolerance in pixels; the worst vertex and those who are near are expected within twice of it.
 const PX: f32 = 1.0;
+/// Percent by which a frame may be above the floor where the budget is below it.
+const FLOOR_OVERRUN: f64 = 10.0;
 /// Budgets, as shares of the character's own median frame without one.
 const SHARES: [f64; 4] = [2.0, 1.0, 0.75, 0.5];
 
@@ -47,6 +50,14 @@ const SMALL: &str = "glb/Quaternius_single_knight_pack__KnightCharacter.glb";
 const SMALL_COUNT: usize = 60;
 const SMALL_FRAMES: [usize; 2] = [10, 10];
 
+/// Which characters are measured.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct Choice {
+    /// Only characters whose file name contains one of these, for a look at a few of them.
+    #[arg(long, value_name = "PART")]
+    only: Vec<String>,
+}
+
 /// A character and what was measured of it.
 struct Found {
     name: String,
@@ -58,6 +69,8 @@ struct Found {
     /// Processor seconds of preparation.
     prepared_secs: f64,
     frame: FrameSummary,
+    /// Median milliseconds of a frame under a budget of nothing: the least that a budget can have.
+    floor_ms: f64,
     budgets: Vec<Budgeted>,
 }
 
@@ -65,16 +78,20 @@ struct Found {
 struct Budgeted {
     share: f64,
     ms: f64,
+    /// 95th percentile of the time beyond the budget, or beyond the floor if that is more, as a part of it.
     overrun_p95: f64,
     frame: FrameSummary,
     used: BudgetUse,
 }
 
 /// Runs the table and writes it.
-pub(crate) fn write(run: &Run) -> Result<()> {
+pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     let names: &[&str] = if run.small { &[SMALL] } else { &CHARACTERS };
+    let is_chosen = |name: &&&str| {
+        choice.only.is_empty() || choice.only.iter().any(|part| name.contains(part.as_str()))
+    };
     let mut found = Vec::with_capacity(names.len());
-    for name in names {
+    for name in names.iter().filter(is_chosen) {
         let path = run.data.join(name);
         let size = match run.small {
             true => (SMALL_COUNT, SMALL_FRAMES),
@@ -100,17 +117,24 @@ fn of(path: &Path, (count, [frames, budget_frames]): (usize, [usize; 2])) -> Res
     let asset = CrowdAsset::new(&figure, &options, &Executor::default())?;
     let prepared_secs = (thread_ns() - start) as f64 / 1e9;
     let frame = measured(&asset, DetailGoal::Tolerance(PX), (count, frames))?.frame();
-    let budget = |share: f64| {
-        let ms = share * frame.ms;
+    let within = |ms: f64| {
         let goal = DetailGoal::Budget {
             ms: ms as f32,
             cap_px: PX,
         };
-        let measured = measured(&asset, goal, (count, budget_frames))?;
+        measured(&asset, goal, (count, budget_frames))
+    };
+    let floor_ms = within(0.0)?.frame().ms;
+    let budget = |share: f64| {
+        let ms = share * frame.ms;
+        let measured = within(ms)?;
+        // A time beyond the budget is one beyond the floor less what lies between.
+        let over = measured.overrun_p95.context("no overrun")?;
+        let overrun_p95 = ((1.0 + over) * ms / ms.max(floor_ms) - 1.0).max(0.0);
         Ok(Budgeted {
             share,
             ms,
-            overrun_p95: measured.overrun_p95.context("no overrun")?,
+            overrun_p95,
             frame: measured.frame(),
             used: measured.budget.context("no budget")?,
         })
@@ -124,6 +148,7 @@ fn of(path: &Path, (count, [frames, budget_frames]): (usize, [usize; 2])) -> Res
         first_frame_ms,
         prepared_secs,
         frame,
+        floor_ms,
         budgets: SHARES.into_iter().map(budget).collect::<Result<_>>()?,
     })
 }
@@ -175,17 +200,19 @@ fn targets(found: &Found) -> Vec<Target> {
     ];
     for budget in &found.budgets {
         let named = |what: &str| format!("budget of {:.2}: {what}", budget.share);
-        let is_above_floor = budget.used.floor_ms <= budget.ms;
+        let is_above_floor = found.floor_ms <= budget.ms;
         let near = budget.frame.error_near_px;
         targets.push(of(&named("within 20 m, px"), 2.0 * px, near));
+        let over = 100.0 * budget.overrun_p95;
         if is_above_floor {
-            let over = 100.0 * budget.overrun_p95;
             targets.push(of(&named("p95 overrun, %"), 5.0, over));
             targets.push(of(
                 &named("p95 over characters, px"),
                 px,
                 budget.frame.error_p95_px,
             ));
+        } else {
+            targets.push(of(&named("p95 over the floor, %"), FLOOR_OVERRUN, over));
         }
     }
     targets
@@ -240,11 +267,12 @@ fn page(all: &[Found]) -> Result<String> {
     {
         writeln!(
             page,
-            "| {} | {:.2} | {:.3} | {:.3} | {:.3} | {:.1} | {:.2} | {:.2} | {:.2} | {:.1} | {} |",
+            "| {} | {:.2} | {:.3} | {:.3} | {:.3} | {:.3} | {:.1} | {:.2} | {:.2} | {:.2} | {:.1} | {} |",
             found.name,
             b.share,
             b.ms,
             b.frame.ms,
+            found.floor_ms,
             b.used.floor_ms,
             100.0 * b.overrun_p95,
             b.used.tolerance_px.median,
@@ -295,18 +323,20 @@ and cached poses. *Frame*: the median, within 1 px.
 const BUDGET_TABLE: &str = "
 ## Under a budget
 
-Budgets as shares of the character's own frame, over ten seconds, in the first frames of which costs are learned. *Floor*: the least time, with everyone at the cheapest that a budget allows. What is
-given up is told in docs/methods/runtime.md part 4.4.
+Budgets as shares of the character's own frame, over ten seconds, in the first frames of which costs are learned. *Floor*:
+the least time, with everyone at the cheapest that a budget allows, measured with a budget of nothing; *told* is what the
+budget expects it to be. *Overrun*: beyond the budget, or beyond the floor where that is more. What is given up is told in
+docs/methods/runtime.md part 4.4.
 
-| character | share | budget, ms | used, ms | floor, ms | overrun p95, % | tolerance, px | p95, px | within 20 m, px | million triangles | given up |
-| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+| character | share | budget, ms | used, ms | floor, ms | told, ms | overrun p95, % | tolerance, px | p95, px | within 20 m, px | million triangles | given up |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
-const TARGETS: &str = "The limits hold for each character; those of overrun and of the percentile under a budget for budgets above its floor.";
+const TARGETS: &str = "The limits hold for each character; those of the percentile under a budget for budgets above its floor.";
 
 fn csv(all: &[Found]) -> Result<String> {
     let mut csv = String::from(
-        "character,joints,clips,vertices,first_frame_ms,prepared_s,share,budget_ms,ms,p95_overrun,floor_ms,tolerance_px,triangles,draws,bytes,p95_px,near_px,worst_vertex_px\n",
+        "character,joints,clips,vertices,first_frame_ms,prepared_s,share,budget_ms,ms,p95_overrun,floor_ms,told_floor_ms,tolerance_px,triangles,draws,bytes,p95_px,near_px,worst_vertex_px\n",
     );
     for found in all {
         let head = format!(
@@ -325,15 +355,16 @@ fn csv(all: &[Found]) -> Result<String> {
             )
         };
         let own = &found.frame;
-        writeln!(csv, "{head},,,{:.4},,,{PX},{}", own.ms, frame(own))?;
+        writeln!(csv, "{head},,,{:.4},,,,{PX},{}", own.ms, frame(own))?;
         for b in &found.budgets {
             writeln!(
                 csv,
-                "{head},{},{:.4},{:.4},{:.4},{:.4},{:.3},{}",
+                "{head},{},{:.4},{:.4},{:.4},{:.4},{:.4},{:.3},{}",
                 b.share,
                 b.ms,
                 b.frame.ms,
                 b.overrun_p95,
+                found.floor_ms,
                 b.used.floor_ms,
                 b.used.tolerance_px.median,
                 frame(&b.frame)
