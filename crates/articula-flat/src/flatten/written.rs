@@ -11,13 +11,13 @@ use super::source_frames::BACKGROUND;
 use super::strays::{self, Strays};
 use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
-use crate::planar::PlanarError;
 use crate::planar::key_frames::{KeyOptions, keyed_along};
 use crate::planar::keyed_clip::LineUnits;
 use crate::planar::reference::reference;
 use crate::planar::shading::Shading;
 use crate::planar::shared_motion::SharedMotions;
 use crate::planar::underlap::{UnderlapOptions, seal};
+use crate::planar::{Painting, PlanarError};
 use crate::vector::AnimatedSvg;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie;
@@ -44,6 +44,8 @@ pub(super) struct Written {
     pub frames: usize,
     /// Triangles that are drawn in some frame.
     pub triangles_drawn: usize,
+    /// The painting order, if it is not that of the prepared clip.
+    painting: Option<Painting>,
     shown: ReadBack,
 }
 
@@ -174,7 +176,10 @@ impl Written {
             } else {
                 0.0
             };
-            all.add(Strays::count(prepared, *frame, &shown, tolerance)?);
+            let painting = self.painting.as_ref().unwrap_or(&prepared.painting);
+            let order = prepared.order_of(painting, *frame);
+            let clip = &prepared.clip;
+            all.add(Strays::count(clip, (*frame, &order), &shown, tolerance)?);
         }
         Ok(Some(all.percent()))
     }
@@ -237,6 +242,7 @@ fn key_framed(
         shapes: keyed.shapes.len(),
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
+        painting: Some(shared.painting),
         shown: ReadBack::Moving(moving),
     })
 }
@@ -254,6 +260,7 @@ fn paged(prepared: &PreparedClip, quality: &Quality, name: &str) -> Result<Writt
         shapes: pages.iter().map(|p| p.shapes.len()).sum(),
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
+        painting: None,
         shown: ReadBack::Moving(moving),
     })
 }
@@ -278,6 +285,7 @@ fn played(prepared: &PreparedClip, options: &PlayerOptions) -> Result<Written, P
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
         bytes: file.text.into_bytes(),
+        painting: None,
         shown: ReadBack::Player(Box::new(shown)),
     })
 }
@@ -302,6 +310,7 @@ fn one_frame(
         shapes: order.len(),
         frames: 1,
         triangles_drawn: order.len(),
+        painting: None,
         shown: ReadBack::Still(text),
     })
 }
@@ -321,6 +330,7 @@ fn naive(prepared: &PreparedClip, options: ThesisSvgOptions) -> Result<Written, 
             clip.frames.len()
         },
         triangles_drawn: prepared.triangles_drawn(),
+        painting: None,
         shown: ReadBack::Naive(options),
     })
 }
