@@ -94,8 +94,13 @@ impl PreparedClip {
 
     /// Triangles that are drawn in a frame, back to front.
     pub(crate) fn order_at(&self, frame: usize) -> Vec<u32> {
+        self.order_of(&self.painting, frame)
+    }
+
+    /// The same of another painting of the clip.
+    pub(crate) fn order_of(&self, painting: &Painting, frame: usize) -> Vec<u32> {
         let drawn = |t: &&u32| self.drawn.get(frame, **t as usize);
-        let order = self.painting.order_at(frame);
+        let order = painting.order_at(frame);
         order.iter().filter(drawn).copied().collect()
     }
 }

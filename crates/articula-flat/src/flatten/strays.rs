@@ -6,7 +6,6 @@
 //! compared with its own triangles, not sealed and painted in its own order, so that neither
 //! simplification nor a wrong order counts.
 
-use super::prepared::PreparedClip;
 use super::source_frames::BACKGROUND;
 use crate::compare::same_size;
 use crate::item_buffer::Supersampling;
@@ -34,19 +33,19 @@ impl Strays {
         FACTOR * clip.width.max(clip.height) <= MOST_PX
     }
 
-    /// Counts those of an enlarged picture of a frame.
+    /// Counts those of an enlarged picture of a frame, in which some triangles are drawn back to front.
     ///
     /// O(pixels).
     ///
     /// # Errors
     /// [`PlanarError::Picture`] if the picture has another size.
     pub(super) fn count(
-        prepared: &PreparedClip,
-        frame: usize,
+        clip: &PlanarClip,
+        (frame, order): (usize, &[u32]),
         shown: &Picture,
         tolerance_px: f32,
     ) -> Result<Self, PlanarError> {
-        let clip = unsealed(prepared, frame);
+        let clip = unsealed(clip, frame, order);
         let (own, mask) = reference_with_mask(&clip, 0, Supersampling::Two, BACKGROUND)?;
         same_size(&own, shown)?;
         let figure = mask.iter().filter(|m| **m).count();
@@ -82,10 +81,8 @@ impl Strays {
     }
 }
 
-/// The triangles that a frame draws, enlarged; the later in the painting order, the nearer.
-fn unsealed(prepared: &PreparedClip, frame: usize) -> PlanarClip {
-    let clip = &prepared.clip;
-    let order = prepared.order_at(frame);
+/// The triangles of an order, enlarged; the later, the nearer.
+fn unsealed(clip: &PlanarClip, frame: usize, order: &[u32]) -> PlanarClip {
     let mut out = PlanarClip {
         width: FACTOR * clip.width,
         height: FACTOR * clip.height,
@@ -152,7 +149,7 @@ impl Ranges {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flatten::PrepareClipOptions;
+    use crate::flatten::{PrepareClipOptions, PreparedClip};
     use crate::planar::clip::fixture;
     use articula_core::Progress;
 
@@ -161,9 +158,11 @@ mod tests {
         let cube = fixture::turning_cube(2);
         let options = PrepareClipOptions::default();
         let prepared = PreparedClip::new(cube, &options, &mut Progress::none()).unwrap();
-        let clip = unsealed(&prepared, 0);
+        let order = prepared.order_at(0);
+        let clip = unsealed(&prepared.clip, 0, &order);
         let (own, mask) = reference_with_mask(&clip, 0, Supersampling::Two, BACKGROUND).unwrap();
-        let count = |shown: &Picture| Strays::count(&prepared, 0, shown, 0.35).unwrap();
+        let count =
+            |shown: &Picture| Strays::count(&prepared.clip, (0, &order), shown, 0.35).unwrap();
         assert_eq!(count(&own).stray, 0);
         assert_eq!(count(&own).figure, mask.iter().filter(|m| **m).count());
         let mut thorn = own.clone();
@@ -176,7 +175,13 @@ mod tests {
         }
         assert_eq!(count(&shifted).stray, 0);
         assert!(
-            Strays::count(&prepared, 0, &Picture::new(9, 9, BACKGROUND).unwrap(), 0.0).is_err()
+            Strays::count(
+                &prepared.clip,
+                (0, &order),
+                &Picture::new(9, 9, BACKGROUND).unwrap(),
+                0.0
+            )
+            .is_err()
         );
         let mut all = count(&thorn);
         all.add(count(&own));

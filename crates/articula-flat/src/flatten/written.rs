@@ -11,13 +11,13 @@ use super::source_frames::BACKGROUND;
 use super::strays::{self, Strays};
 use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
-use crate::planar::PlanarError;
 use crate::planar::key_frames::{KeyOptions, keyed_along};
 use crate::planar::keyed_clip::LineUnits;
 use crate::planar::reference::reference;
 use crate::planar::shading::Shading;
 use crate::planar::shared_motion::SharedMotions;
 use crate::planar::underlap::{UnderlapOptions, seal};
+use crate::planar::{Painting, PlanarError};
 use crate::vector::AnimatedSvg;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie;
@@ -28,6 +28,7 @@ use crate::vector::thesis::{
     ThesisForm, ThesisSvgOptions, thesis, thesis_frame, thesis_gouraud_picture,
 };
 use crate::vector::{raster, raster_scaled};
+use articula_core::Progress;
 
 /// A written file with its statistics.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +45,8 @@ pub(super) struct Written {
     pub frames: usize,
     /// Triangles that are drawn in some frame.
     pub triangles_drawn: usize,
+    /// The painting order, if it is not that of the prepared clip.
+    painting: Option<Painting>,
     shown: ReadBack,
 }
 
@@ -66,16 +69,17 @@ const SLACK: f32 = 1.0;
 /// Writes a prepared clip.
 ///
 /// # Errors
-/// Errors of the writer ([`PlanarError`]).
+/// Errors of the writer ([`PlanarError`]); [`PlanarError::Cancelled`].
 pub(super) fn write(
     prepared: &PreparedClip,
     profile: Profile,
     quality: &Quality,
     name: &str,
+    progress: &mut Progress<'_>,
 ) -> Result<Written, PlanarError> {
     match profile {
-        Profile::Smil => key_framed(prepared, quality, name, false),
-        Profile::Lottie => key_framed(prepared, quality, name, true),
+        Profile::Smil => key_framed(prepared, quality, name, false, progress),
+        Profile::Lottie => key_framed(prepared, quality, name, true, progress),
         Profile::Flipbook => paged(prepared, quality, name),
         Profile::Player(output) => {
             let options = PlayerOptions {
@@ -174,7 +178,10 @@ impl Written {
             } else {
                 0.0
             };
-            all.add(Strays::count(prepared, *frame, &shown, tolerance)?);
+            let painting = self.painting.as_ref().unwrap_or(&prepared.painting);
+            let order = prepared.order_of(painting, *frame);
+            let clip = &prepared.clip;
+            all.add(Strays::count(clip, (*frame, &order), &shown, tolerance)?);
         }
         Ok(Some(all.percent()))
     }
@@ -195,6 +202,7 @@ fn key_framed(
     quality: &Quality,
     name: &str,
     is_lottie: bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Written, PlanarError> {
     let PreparedClip { clip, drawn, .. } = prepared;
     let lines = if is_lottie {
@@ -217,11 +225,16 @@ fn key_framed(
     let is_merged = quality.shading == Shading::Flat && quality.merge_levels.is_some();
     let shared = match is_merged {
         true => SharedMotions::none(painting, layers),
-        false => SharedMotions::of(clip, painting, layers, overlaps, quality.pos_tol_px),
+        false => SharedMotions::of(
+            (clip, painting, layers, overlaps),
+            quality.pos_tol_px,
+            &mut progress.part(0.0, 0.5),
+        )?,
     };
     let sealed = seal(clip, drawn, &shared.painting, underlap);
     let follow = (&shared.motions[..], &shared.of_layer[..]);
-    let (keyed, stats) = keyed_along(clip, drawn, &shared.layers, &sealed, follow, &options)?;
+    let subject = (clip, drawn, &shared.layers[..], &sealed);
+    let (keyed, stats) = keyed_along(subject, follow, &options, &mut progress.part(0.5, 1.0))?;
     let text = smil(&keyed, name)?;
     let moving = Box::new(AnimatedSvg::read(&text)?);
     let bytes = if is_lottie {
@@ -237,6 +250,7 @@ fn key_framed(
         shapes: keyed.shapes.len(),
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
+        painting: Some(shared.painting),
         shown: ReadBack::Moving(moving),
     })
 }
@@ -254,6 +268,7 @@ fn paged(prepared: &PreparedClip, quality: &Quality, name: &str) -> Result<Writt
         shapes: pages.iter().map(|p| p.shapes.len()).sum(),
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
+        painting: None,
         shown: ReadBack::Moving(moving),
     })
 }
@@ -278,6 +293,7 @@ fn played(prepared: &PreparedClip, options: &PlayerOptions) -> Result<Written, P
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
         bytes: file.text.into_bytes(),
+        painting: None,
         shown: ReadBack::Player(Box::new(shown)),
     })
 }
@@ -302,6 +318,7 @@ fn one_frame(
         shapes: order.len(),
         frames: 1,
         triangles_drawn: order.len(),
+        painting: None,
         shown: ReadBack::Still(text),
     })
 }
@@ -321,6 +338,7 @@ fn naive(prepared: &PreparedClip, options: ThesisSvgOptions) -> Result<Written, 
             clip.frames.len()
         },
         triangles_drawn: prepared.triangles_drawn(),
+        painting: None,
         shown: ReadBack::Naive(options),
     })
 }

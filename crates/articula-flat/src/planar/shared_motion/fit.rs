@@ -152,6 +152,7 @@ impl<'a> Fit<'a> {
                 targets,
                 width,
                 reach: &reach,
+                bounds: &[],
             })
         };
         let scale = TOLERANCE / radius * SCALE;
