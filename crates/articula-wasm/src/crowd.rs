@@ -410,6 +410,7 @@ impl Crowd {
                 px,
                 near_px: f32::INFINITY,
                 by_processor: true,
+                frames: 1,
             }),
             CacheUse::Cpu | CacheUse::Never => Detail::Tolerance { px },
         };
