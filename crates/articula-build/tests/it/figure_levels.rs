@@ -1,8 +1,7 @@
 //! Properties of levels of joints and mesh that are shown together.
 
 use crate::reference_human::asset_of_4000;
-use articula_build::Asset;
-use articula_build::attach;
+use articula_build::{Asset, Borders, attach};
 use articula_build::{FigureLevels, figure_levels};
 use articula_build::{JointLodOptions, MergedLevels, merged_levels};
 use articula_build::{PoseOptions, poses, positions};
@@ -137,6 +136,7 @@ fn what_is_stated_is_what_the_slow_way_sees() {
     let found = found(figure);
     let (asset, levels) = (&figure.asset, slices(&figure.mesh_levels));
     let all: Vec<u32> = (0..asset.mesh.len() as u32).collect();
+    let borders = Borders::of(&asset.mesh, &figure.poses[0]);
     for (l, level) in found.levels.iter().enumerate().skip(1) {
         let mesh = found.mesh(l, &asset.mesh, &levels);
         assert_eq!(mesh.triangles.len(), level.triangles);
@@ -145,7 +145,7 @@ fn what_is_stated_is_what_the_slow_way_sees() {
             (parts, mesh.influences),
             (level.triangles, level.influences)
         );
-        let points = attach(&mesh.triangles, &all, &figure.poses, &mesh.parts);
+        let points = attach(&mesh.triangles, &all, &figure.poses, &mesh.parts, &borders);
         let mut worst = 0.0f32;
         for frame in (0..asset.clips[0].frames()).step_by(7) {
             let truth = posed(asset, &asset.mesh, frame);
