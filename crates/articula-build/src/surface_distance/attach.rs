@@ -245,6 +245,16 @@ mod tests {
     use crate::surface_distance::corners;
     use articula_core::Mesh;
 
+    /// Points of surfaces without borders.
+    fn by_parts(
+        triangles: &[[u32; 3]],
+        vertices: &[u32],
+        poses: &[Vec<Vec3>],
+        parts: &[Part],
+    ) -> Vec<SkinPoint> {
+        attach(triangles, vertices, poses, parts, &Borders::default())
+    }
+
     #[test]
     fn the_other_lip_is_closer_at_rest_but_not_for_long() {
         // Two sheets a millimetre apart; the level lacks the middle vertex 3 of the upper one.
@@ -259,13 +269,7 @@ mod tests {
         for upper in &mut open[..4] {
             upper.y += 0.1;
         }
-        let alone = attach(
-            &level,
-            &[3, 0],
-            std::slice::from_ref(&rest),
-            &[],
-            &Borders::default(),
-        );
+        let alone = by_parts(&level, &[3, 0], std::slice::from_ref(&rest), &[]);
         assert_eq!(
             alone[0].corners,
             [4, 5, 6],
@@ -276,13 +280,7 @@ mod tests {
             rest[0],
             "a corner of the level is itself"
         );
-        let both = attach(
-            &level,
-            &[3],
-            &[rest.clone(), open.clone()],
-            &[],
-            &Borders::default(),
-        );
+        let both = by_parts(&level, &[3], &[rest.clone(), open.clone()], &[]);
         assert_eq!(both[0].corners, [0, 1, 2]);
         // The lower sheet as a part of another material is ignored, except for a part without triangles.
         let part = |vertices, material| Part {
@@ -293,38 +291,14 @@ mod tests {
             triangles: 0..0,
         };
         let mut sheets = [part(0..4, Some(0)), part(4..7, None)];
-        let apart = attach(
-            &level,
-            &[3],
-            std::slice::from_ref(&rest),
-            &sheets,
-            &Borders::default(),
-        );
+        let apart = by_parts(&level, &[3], std::slice::from_ref(&rest), &sheets);
         assert_eq!(apart[0].corners, [0, 1, 2]);
-        let gone = attach(
-            &level[1..],
-            &[3],
-            std::slice::from_ref(&rest),
-            &sheets,
-            &Borders::default(),
-        );
+        let gone = by_parts(&level[1..], &[3], std::slice::from_ref(&rest), &sheets);
         assert_eq!(gone[0].corners, [4, 5, 6]);
         sheets[1].material = Some(0);
-        let alike = attach(
-            &level,
-            &[3],
-            std::slice::from_ref(&rest),
-            &sheets,
-            &Borders::default(),
-        );
+        let alike = by_parts(&level, &[3], std::slice::from_ref(&rest), &sheets);
         assert_eq!(alike[0].corners, [4, 5, 6], "of one material");
-        let in_motion = attach(
-            &level,
-            &[3],
-            &[rest.clone(), open.clone()],
-            &sheets,
-            &Borders::default(),
-        );
+        let in_motion = by_parts(&level, &[3], &[rest.clone(), open.clone()], &sheets);
         assert_eq!(in_motion[0].corners, [0, 1, 2]);
         let few = corners(&alone);
         assert_eq!(few, [0, 1, 2, 4, 5, 6]);
