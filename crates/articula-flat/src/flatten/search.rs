@@ -93,16 +93,29 @@ pub struct Unmeasured {
 /// fits. Without a budget the bytes are those of [`flatten()`].
 ///
 /// # Errors
-/// Errors of the writer.
+/// Errors of the writer; [`PlanarError::Cancelled`].
 pub fn flatten_unmeasured(
     prepared: &PreparedClip,
     settings: &Settings,
+    progress: &mut Progress<'_>,
 ) -> Result<Unmeasured, PlanarError> {
     let most = settings.max_bytes.unwrap_or(u64::MAX);
-    let written = |quality: &Quality| write(prepared, settings.profile, quality, &settings.name);
+    let candidates = candidates(settings);
+    let share = 1.0 / candidates.len() as f32;
+    let mut tries = 0.0;
+    let mut written = |quality: &Quality| {
+        let progress = &mut progress.part(tries * share, (tries + 1.0) * share);
+        tries += 1.0;
+        write(
+            prepared,
+            settings.profile,
+            quality,
+            &settings.name,
+            progress,
+        )
+    };
     let fits = |made: &Written| made.bytes.len() as u64 <= most;
     let mut made = written(&settings.quality)?;
-    let candidates = candidates(settings);
     if let [_, between @ .., coarsest] = &candidates[..]
         && !fits(&made)
     {
@@ -146,7 +159,8 @@ pub fn flatten(
         let mut progress = progress.part(c as f32 * share, (c + 1) as f32 * share);
         let is_known = |t: &TriedQuality| t.image.is_some() && kind(&t.quality) == kind(quality);
         if !tried.iter().any(is_known) {
-            let written = write(prepared, settings.profile, quality, &settings.name)?;
+            let made = &mut progress.part(0.0, 0.5);
+            let written = write(prepared, settings.profile, quality, &settings.name, made)?;
             progress.step(0.5)?;
             let bytes = written.bytes.len() as u64;
             let fits = bytes <= most;

@@ -28,6 +28,7 @@ use crate::vector::thesis::{
     ThesisForm, ThesisSvgOptions, thesis, thesis_frame, thesis_gouraud_picture,
 };
 use crate::vector::{raster, raster_scaled};
+use articula_core::Progress;
 
 /// A written file with its statistics.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,16 +69,17 @@ const SLACK: f32 = 1.0;
 /// Writes a prepared clip.
 ///
 /// # Errors
-/// Errors of the writer ([`PlanarError`]).
+/// Errors of the writer ([`PlanarError`]); [`PlanarError::Cancelled`].
 pub(super) fn write(
     prepared: &PreparedClip,
     profile: Profile,
     quality: &Quality,
     name: &str,
+    progress: &mut Progress<'_>,
 ) -> Result<Written, PlanarError> {
     match profile {
-        Profile::Smil => key_framed(prepared, quality, name, false),
-        Profile::Lottie => key_framed(prepared, quality, name, true),
+        Profile::Smil => key_framed(prepared, quality, name, false, progress),
+        Profile::Lottie => key_framed(prepared, quality, name, true, progress),
         Profile::Flipbook => paged(prepared, quality, name),
         Profile::Player(output) => {
             let options = PlayerOptions {
@@ -200,6 +202,7 @@ fn key_framed(
     quality: &Quality,
     name: &str,
     is_lottie: bool,
+    progress: &mut Progress<'_>,
 ) -> Result<Written, PlanarError> {
     let PreparedClip { clip, drawn, .. } = prepared;
     let lines = if is_lottie {
@@ -222,11 +225,16 @@ fn key_framed(
     let is_merged = quality.shading == Shading::Flat && quality.merge_levels.is_some();
     let shared = match is_merged {
         true => SharedMotions::none(painting, layers),
-        false => SharedMotions::of(clip, painting, layers, overlaps, quality.pos_tol_px),
+        false => SharedMotions::of(
+            (clip, painting, layers, overlaps),
+            quality.pos_tol_px,
+            &mut progress.part(0.0, 0.5),
+        )?,
     };
     let sealed = seal(clip, drawn, &shared.painting, underlap);
     let follow = (&shared.motions[..], &shared.of_layer[..]);
-    let (keyed, stats) = keyed_along(clip, drawn, &shared.layers, &sealed, follow, &options)?;
+    let subject = (clip, drawn, &shared.layers[..], &sealed);
+    let (keyed, stats) = keyed_along(subject, follow, &options, &mut progress.part(0.5, 1.0))?;
     let text = smil(&keyed, name)?;
     let moving = Box::new(AnimatedSvg::read(&text)?);
     let bytes = if is_lottie {

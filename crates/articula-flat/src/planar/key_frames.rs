@@ -17,6 +17,7 @@ use super::shared_motion::Placed;
 use super::small_shapes::{area, slack_of_small};
 use super::tunnel::{Windows, fewest_keys};
 use super::underlap::{Sealed, UnderlapOptions};
+use articula_core::Progress;
 use glam::{DVec2, Vec2};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -85,21 +86,20 @@ pub(crate) fn keyed(
     sealed: &Sealed,
     options: &KeyOptions,
 ) -> Result<(KeyedClip, KeyStats), PlanarError> {
-    keyed_along(clip, drawn, layers, sealed, (&[], &[]), options)
+    let subject = (clip, drawn, layers, sealed);
+    keyed_along(subject, (&[], &[]), options, &mut Progress::none())
 }
 
 /// The same with motions that layers follow, and the index of each layer's; layers beyond these follow
 /// none. Merged shapes follow none.
 ///
 /// # Errors
-/// As [`keyed`]; [`PlanarError::Mismatch`] if an index is out of range.
+/// As [`keyed`]; [`PlanarError::Mismatch`] if an index is out of range; [`PlanarError::Cancelled`].
 pub(crate) fn keyed_along(
-    clip: &PlanarClip,
-    drawn: &Drawn,
-    layers: &[Layer],
-    sealed: &Sealed,
+    (clip, drawn, layers, sealed): (&PlanarClip, &Drawn, &[Layer], &Sealed),
     (motions, of_layer): (&[KeyedMotion], &[Option<u32>]),
     options: &KeyOptions,
+    progress: &mut Progress<'_>,
 ) -> Result<(KeyedClip, KeyStats), PlanarError> {
     clip.check()?;
     check_shapes(clip, drawn, layers, sealed)?;
@@ -113,8 +113,9 @@ pub(crate) fn keyed_along(
     let mut colors: BTreeMap<u32, Colors> = BTreeMap::new();
     let mut shapes = Vec::new();
     let motions = of_layer.iter().copied().chain(std::iter::repeat(None));
-    let shown = layers.iter().zip(motions);
-    for (layer, motion) in shown.filter(|(l, _)| !l.frames.is_empty()) {
+    let shown = layers.iter().zip(motions).enumerate();
+    for (l, (layer, motion)) in shown.filter(|(_, (l, _))| !l.frames.is_empty()) {
+        progress.step(l as f32 / layers.len() as f32)?;
         let t = layer.triangle as usize;
         // Every copy has the colours of the whole clip.
         let frames = (0..drawn.frames()).filter(|f| drawn.get(*f, t));
@@ -620,8 +621,10 @@ mod tests {
         let options = KeyOptions::default();
         let of_layer = vec![Some(0); layers.len()];
         let along = |motions: &[KeyedMotion]| {
+            let sealed = unsealed(&clip);
+            let subject = (&clip, &drawn, &layers[..], &sealed);
             let follow = (motions, &of_layer[..]);
-            keyed_along(&clip, &drawn, &layers, &unsealed(&clip), follow, &options)
+            keyed_along(subject, follow, &options, &mut Progress::none())
         };
         let (keyed, stats) = along(std::slice::from_ref(&turning)).unwrap();
         assert!(stats.position_max_px <= 0.5 + 1e-6, "{stats:?}");
@@ -733,14 +736,8 @@ mod tests {
                     frames: std::iter::once(split..frames).collect(),
                 },
             ];
-            let (keyed, stats) = keyed(
-                &clip,
-                &drawn,
-                &layers,
-                &unsealed(&clip),
-                &KeyOptions::default(),
-            )
-            .unwrap();
+            let (sealed, usual) = (unsealed(&clip), KeyOptions::default());
+            let (keyed, stats) = keyed(&clip, &drawn, &layers, &sealed, &usual).unwrap();
             assert!(stats.position_max_px <= 0.5 + 1e-6);
             let text = smil(&keyed, "<&>\u{0}").unwrap();
             let moving = AnimatedSvg::read(&text).unwrap();

@@ -201,7 +201,9 @@ impl<'a> Maker<'a> {
 
     /// A form, and its bytes as sent.
     fn flat(&self, clip: &PreparedClip, settings: &Settings) -> Result<(Unmeasured, u64)> {
-        let made = flatten_unmeasured(clip, settings);
+        let made = self
+            .work
+            .with_progress("writing", |p| flatten_unmeasured(clip, settings, p));
         let made = made.with_context(|| self.figure.opened.name())?;
         let sent = FileEntry::of("form.svg", &made.bytes).sent_bytes();
         Ok((made, sent))

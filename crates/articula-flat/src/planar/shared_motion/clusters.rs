@@ -5,6 +5,7 @@ use super::fit::{LEAST_AREA, fitted};
 use super::item::Item;
 use super::placed::Placed;
 use crate::planar::keyed_motion::KeyedMotion;
+use articula_core::{Cancelled, Progress};
 use glam::DVec2;
 use std::collections::BTreeMap;
 
@@ -19,22 +20,32 @@ const CHOICES: usize = 3;
 
 /// Motions for some items: at first of each joint, then also of parts of what these move badly. Those that a file cannot
 /// hold, such as of a wheel that turns thirty times, and those that collapse between keys, are left out.
-pub(super) fn clusters(items: &[Item], frames: usize) -> Vec<KeyedMotion> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn clusters(
+    items: &[Item],
+    frames: usize,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<KeyedMotion>, Cancelled> {
     let mut by_part: BTreeMap<u16, Vec<usize>> = BTreeMap::new();
     for (i, item) in items.iter().enumerate() {
         by_part.entry(item.part).or_default().push(i);
     }
     let mut groups: Vec<Vec<usize>> = by_part.into_values().collect();
-    let mut motions = chosen(items, &mut groups, frames);
-    for _ in 0..DIVISIONS {
+    let share = 1.0 / (DIVISIONS + 1) as f32;
+    let mut motions = chosen(items, &mut groups, frames, &mut progress.part(0.0, share))?;
+    for division in 1..=DIVISIONS {
         let halves = groups.iter().zip(&motions);
         groups = halves
             .flat_map(|(group, motion)| divided(items, group, motion, frames))
             .collect();
-        motions = chosen(items, &mut groups, frames);
+        let from = division as f32 * share;
+        let progress = &mut progress.part(from, from + share);
+        motions = chosen(items, &mut groups, frames, progress)?;
     }
     motions.retain(|motion| is_sound(motion, frames));
-    motions
+    Ok(motions)
 }
 
 fn is_sound(motion: &KeyedMotion, frames: usize) -> bool {
@@ -43,25 +54,33 @@ fn is_sound(motion: &KeyedMotion, frames: usize) -> bool {
 }
 
 /// Motions of groups, which are changed to the items that each motion suits best.
-fn chosen(items: &[Item], groups: &mut Vec<Vec<usize>>, frames: usize) -> Vec<KeyedMotion> {
+fn chosen(
+    items: &[Item],
+    groups: &mut Vec<Vec<usize>>,
+    frames: usize,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<KeyedMotion>, Cancelled> {
     let mut motions = Vec::new();
-    for _ in 0..CHOICES {
+    for choice in 0..CHOICES {
+        let at = |part: f32| (choice as f32 + part) / CHOICES as f32;
         groups.retain(|group| group.len() >= FEWEST);
         groups.sort_by_key(|group| std::cmp::Reverse(group.len()));
         groups.truncate(MOST);
-        let fit = |group: &Vec<usize>| {
+        motions.clear();
+        for (g, group) in groups.iter().enumerate() {
+            progress.step(at(0.5 * g as f32 / groups.len() as f32))?;
             let members: Vec<&Item> = group.iter().map(|i| &items[*i]).collect();
-            fitted(&members, frames)
-        };
-        motions = groups.iter().map(fit).collect();
+            motions.push(fitted(&members, frames));
+        }
         groups.iter_mut().for_each(Vec::clear);
-        for (i, best) in Costs::new(items, &motions).best().into_iter().enumerate() {
+        let costs = Costs::new(items, &motions, &mut progress.part(at(0.5), at(1.0)))?;
+        for (i, best) in costs.best().into_iter().enumerate() {
             if let Some(motion) = best {
                 groups[motion as usize].push(i);
             }
         }
     }
-    motions
+    Ok(motions)
 }
 
 /// A group in two parts, by the side to which the motion fails them most differently.

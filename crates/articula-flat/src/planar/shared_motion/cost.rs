@@ -3,6 +3,7 @@
 use super::item::Item;
 use super::placed::Placed;
 use crate::planar::keyed_motion::KeyedMotion;
+use articula_core::{Cancelled, Progress};
 use glam::DVec2;
 
 /// Bytes of the animation of an outline, apart from its keys.
@@ -14,6 +15,9 @@ const GROUP: f32 = 60.0;
 /// Bytes of a number of a motion's key.
 const NUMBER: f32 = 3.0;
 
+/// Number of layers from report to report.
+const STEP: usize = 32;
+
 /// Bytes of layers by motion.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Costs {
@@ -24,24 +28,37 @@ pub(super) struct Costs {
 }
 
 impl Costs {
-    pub(super) fn new(items: &[Item], motions: &[KeyedMotion]) -> Self {
+    /// O(motions x layers x frames).
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub(super) fn new(
+        items: &[Item],
+        motions: &[KeyedMotion],
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         let frames = items.first().map_or(0, |item| item.corners.len());
         let placed = motions.iter().map(|m| Placed::of(m, frames));
         let still = vec![Placed::STILL; frames];
         let placed: Vec<Vec<Placed>> = std::iter::once(still).chain(placed).collect();
-        let row = |item: &Item| placed.iter().map(|p| bytes(item, p)).collect();
+        let mut rows = Vec::with_capacity(items.len());
+        for (i, item) in items.iter().enumerate() {
+            if i % STEP == 0 {
+                progress.step(i as f32 / items.len() as f32)?;
+            }
+            rows.push(placed.iter().map(|p| bytes(item, p)).collect());
+        }
         let group = |motion: &KeyedMotion| {
             let numbers = motion
                 .tracks()
                 .map(|t| if t.is_still() { 0 } else { t.values.len() });
             GROUP + NUMBER * numbers.iter().sum::<usize>() as f32
         };
-        Self {
-            rows: items.iter().map(row).collect(),
-            groups: std::iter::once(0.0)
-                .chain(motions.iter().map(group))
-                .collect(),
-        }
+        let groups = motions.iter().map(group);
+        Ok(Self {
+            rows,
+            groups: std::iter::once(0.0).chain(groups).collect(),
+        })
     }
 
     #[cfg(test)]

@@ -20,6 +20,7 @@ pub(crate) use placed::Placed;
 use super::clip::PlanarClip;
 use super::keyed_motion::KeyedMotion;
 use super::order::{Epoch, Layer, Overlaps, Painting};
+use articula_core::{Cancelled, Progress};
 use clusters::clusters;
 use cost::Costs;
 use item::items;
@@ -60,24 +61,26 @@ impl SharedMotions {
     /// gets none.
     ///
     /// O(motions x layers x frames + runs x pairs of layers that share a sample) per round; few rounds.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
     pub(crate) fn of(
-        clip: &PlanarClip,
-        painting: &Painting,
-        layers: &[Layer],
-        overlaps: &Overlaps,
+        (clip, painting, layers, overlaps): (&PlanarClip, &Painting, &[Layer], &Overlaps),
         pos_tol_px: f32,
-    ) -> Self {
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, Cancelled> {
         if layers.len().saturating_mul(clip.frames.len()) > MOST {
-            return Self::none(painting, layers);
+            return Ok(Self::none(painting, layers));
         }
         let items = items(clip, layers, pos_tol_px);
-        let motions = clusters(&items, clip.frames.len());
-        let costs = Costs::new(&items, &motions);
+        let motions = clusters(&items, clip.frames.len(), &mut progress.part(0.0, 0.8))?;
+        let costs = Costs::new(&items, &motions, &mut progress.part(0.8, 0.9))?;
         let mut order: Vec<usize> = (0..layers.len()).collect();
         let mut of_layer = if let [_] = &painting.epochs[..] {
             let before = pairs(layers, overlaps);
             let mut wanted = costs.best();
-            for _ in 0..ROUNDS {
+            for round in 0..ROUNDS {
+                progress.step(0.9 + 0.1 * round as f32 / ROUNDS as f32)?;
                 order = regrouped(&order, &before, &wanted);
                 wanted = cheapest(&costs, &order);
             }
@@ -96,12 +99,12 @@ impl SharedMotions {
             },
             _ => painting.clone(),
         };
-        Self {
+        Ok(Self {
             painting,
             of_layer: order.iter().map(|l| of_layer[*l]).collect(),
             layers,
             motions,
-        }
+        })
     }
 }
 
@@ -158,6 +161,7 @@ mod tests {
     use crate::planar::clip::fixture;
     use crate::planar::order::Painting;
     use glam::Vec2;
+    use std::ops::ControlFlow;
 
     /// Sixteen small triangles on each of two plates that swing about their own points; the plates
     /// alternate in the clip.
@@ -191,11 +195,19 @@ mod tests {
         clip
     }
 
+    fn of(
+        subject: (&PlanarClip, &Painting, &[Layer], &Overlaps),
+        pos_tol_px: f32,
+    ) -> SharedMotions {
+        SharedMotions::of(subject, pos_tol_px, &mut Progress::none()).unwrap()
+    }
+
     fn shared(clip: &PlanarClip) -> SharedMotions {
         let drawn = Drawn::of(clip).unwrap();
         let painting = Painting::single(clip, &drawn).unwrap();
         let overlaps = Overlaps::of(clip, &drawn).unwrap();
-        SharedMotions::of(clip, &painting, &painting.layers(&drawn), &overlaps, 0.5)
+        let layers = painting.layers(&drawn);
+        of((clip, &painting, &layers, &overlaps), 0.5)
     }
 
     #[test]
@@ -263,8 +275,37 @@ mod tests {
         let overlaps = Overlaps::of(&clip, &drawn).unwrap();
         let layers = painting.layers(&drawn);
         // Half a grid step, which a turned grid exceeds.
-        let shared = SharedMotions::of(&clip, &painting, &layers, &overlaps, 0.125);
+        let shared = of((&clip, &painting, &layers, &overlaps), 0.125);
         assert!(shared.motions.is_empty());
+    }
+
+    #[test]
+    fn a_listener_hears_of_every_part_and_may_end_it() {
+        let clip = swinging(40);
+        let drawn = Drawn::of(&clip).unwrap();
+        let painting = Painting::single(&clip, &drawn).unwrap();
+        let overlaps = Overlaps::of(&clip, &drawn).unwrap();
+        let layers = painting.layers(&drawn);
+        let subject = (&clip, &painting, &layers[..], &overlaps);
+        let mut heard = Vec::new();
+        let mut hook = |done| {
+            heard.push(done);
+            ControlFlow::Continue(())
+        };
+        SharedMotions::of(subject, 0.5, &mut Progress::new(&mut hook)).unwrap();
+        assert!(heard.is_sorted(), "{heard:?}");
+        assert!(heard.iter().all(|done| (0.0..=1.0).contains(done)));
+        // Nothing takes longer than a tenth of the whole without a word.
+        let longest = heard.windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(longest.fold(heard[0], f32::max) < 0.1, "{heard:?}");
+        for most in [0.0, 0.3, 0.7, 0.95] {
+            let mut hook = |done: f32| match done <= most {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            };
+            let ended = SharedMotions::of(subject, 0.5, &mut Progress::new(&mut hook));
+            assert_eq!(ended, Err(Cancelled));
+        }
     }
 
     #[test]
@@ -278,7 +319,7 @@ mod tests {
         let one = swinging(1);
         let overlaps = Overlaps::of(&one, &Drawn::of(&one).unwrap()).unwrap();
         let none = Painting { epochs: vec![] };
-        let nothing = SharedMotions::of(&one, &none, &[], &overlaps, 0.5);
+        let nothing = of((&one, &none, &[], &overlaps), 0.5);
         assert!(nothing.motions.is_empty() && nothing.layers.is_empty());
     }
 }
