@@ -12,9 +12,10 @@ use super::keyed_motion::KeyedMotion;
 use super::merge::{Region, merge, seal_regions};
 use super::moving_gradient::{self, Corners, Wanted};
 use super::order::Layer;
-use super::outlines::{Outline, Outlines, Wish, on_grid};
 use super::shading::{Colors, Shading, flat_color};
+use super::shared_motion::Placed;
 use super::small_shapes::{area, slack_of_small};
+use super::tunnel::{Windows, fewest_keys};
 use super::underlap::{Sealed, UnderlapOptions};
 use articula_core::Progress;
 use glam::{DVec2, Vec2};
@@ -112,17 +113,9 @@ pub(crate) fn keyed_along(
     let mut colors: BTreeMap<u32, Colors> = BTreeMap::new();
     let mut shapes = Vec::new();
     let motions = of_layer.iter().copied().chain(std::iter::repeat(None));
-    let shown = layers
-        .iter()
-        .zip(motions)
-        .filter(|(l, _)| !l.frames.is_empty());
-    let shown: Vec<(&Layer, Option<u32>)> = shown.collect();
-    let outlines = reducer
-        .outlines
-        .closed(&shown, &mut progress.part(0.0, 0.5))?;
-    let count = shown.len() as f32;
-    for (l, ((layer, motion), outline)) in shown.into_iter().zip(outlines).enumerate() {
-        progress.step(0.5 + 0.5 * l as f32 / count)?;
+    let shown = layers.iter().zip(motions).enumerate();
+    for (l, (layer, motion)) in shown.filter(|(_, (l, _))| !l.frames.is_empty()) {
+        progress.step(l as f32 / layers.len() as f32)?;
         let t = layer.triangle as usize;
         // Every copy has the colours of the whole clip.
         let frames = (0..drawn.frames()).filter(|f| drawn.get(*f, t));
@@ -132,7 +125,7 @@ pub(crate) fn keyed_along(
                 Shading::Flat => Colors::Flat(flat_color(clip, t, frames)),
                 Shading::Gouraud => Colors::of(clip, t, frames),
             });
-        shapes.push(reducer.shape((layer, motion), colors, outline));
+        shapes.push(reducer.shape(layer, colors, motion));
     }
     Ok(reducer.finish(shapes))
 }
@@ -229,9 +222,50 @@ fn check_motions(
     })
 }
 
+/// Target positions of a layer's corners in the coordinates of its shape, with tolerances.
+struct Wish {
+    /// Target x and y of each point for each frame, grid steps.
+    targets: Vec<f64>,
+    /// Tolerance in each frame, grid steps; infinite where the position is irrelevant.
+    reach: Vec<f64>,
+    is_shown: Vec<bool>,
+    /// Motion of the shape by frame; empty if it has none.
+    motion: Rc<[Placed]>,
+}
+
+impl Wish {
+    fn motion(&self, frame: usize) -> Placed {
+        self.motion.get(frame).copied().unwrap_or(Placed::STILL)
+    }
+
+    fn width(&self) -> usize {
+        self.targets.len() / self.reach.len().max(1)
+    }
+
+    fn row(&self, frame: usize) -> &[f64] {
+        &self.targets[frame * self.width()..(frame + 1) * self.width()]
+    }
+}
+
+/// Points of a shape by frame, pixels.
+struct Outline<'a> {
+    /// Points after sealing.
+    sealed: &'a dyn Fn(usize) -> Vec<Vec2>,
+    /// Points of the clip.
+    places: &'a dyn Fn(usize) -> Vec<Vec2>,
+}
+
+/// Position in grid steps.
+fn on_grid(place: Vec2) -> [f64; 2] {
+    [place.x, place.y].map(|v| f64::from(v) * f64::from(GRID))
+}
+
 struct Reducer<'a> {
-    outlines: Outlines<'a>,
+    clip: &'a PlanarClip,
+    sealed: &'a [Vec<[Vec2; 3]>],
     motions: &'a [KeyedMotion],
+    /// Each motion by frame.
+    placed: Vec<Rc<[Placed]>>,
     options: &'a KeyOptions,
     ramps: BTreeMap<[u8; 3], u32>,
     stats: KeyStats,
@@ -264,9 +298,15 @@ impl<'a> Reducer<'a> {
         motions: &'a [KeyedMotion],
         options: &'a KeyOptions,
     ) -> Self {
+        let frames = clip.frames.len();
         Self {
-            outlines: Outlines::new(clip, sealed, motions, options.pos_tol_px),
+            clip,
+            sealed,
             motions,
+            placed: motions
+                .iter()
+                .map(|m| Placed::of(m, frames).into())
+                .collect(),
             options,
             ramps: BTreeMap::new(),
             stats: KeyStats::default(),
@@ -283,10 +323,10 @@ impl<'a> Reducer<'a> {
         self.stats.position_rmse_px = self.positions.root();
         self.stats.color_rmse_levels = self.levels.root();
         let keyed = KeyedClip {
-            width: self.outlines.clip.width,
-            height: self.outlines.clip.height,
-            fps: self.outlines.clip.fps,
-            frames: self.outlines.clip.frames.len() as u32,
+            width: self.clip.width,
+            height: self.clip.height,
+            fps: self.clip.fps,
+            frames: self.clip.frames.len() as u32,
             ramps,
             lines: self.options.lines,
             motions: self.motions.to_vec(),
@@ -295,15 +335,20 @@ impl<'a> Reducer<'a> {
         (keyed, self.stats)
     }
 
-    fn shape(
-        &mut self,
-        (layer, motion): (&Layer, Option<u32>),
-        colors: Colors,
-        outline: KeyedTrack,
-    ) -> KeyedShape {
-        let wish = self.outlines.of_layer(layer, motion);
-        self.count(&wish, &outline);
-        let frames = self.outlines.clip.frames.len() as u32;
+    fn shape(&mut self, layer: &Layer, colors: Colors, motion: Option<u32>) -> KeyedShape {
+        let t = layer.triangle as usize;
+        let (clip, sealed) = (self.clip, self.sealed);
+        let placed = motion.map(|m| Rc::clone(&self.placed[m as usize]));
+        let wish = self.wish(
+            &layer.frames,
+            placed.unwrap_or_default(),
+            &Outline {
+                sealed: &|f| sealed[f][t].to_vec(),
+                places: &|f| clip.places(f, t).to_vec(),
+            },
+        );
+        let outline = self.outline(&wish);
+        let frames = clip.frames.len() as u32;
         let paint = match colors {
             Colors::Flat(color) => KeyedPaint::Flat(color),
             Colors::Ramp(color) => {
@@ -326,10 +371,50 @@ impl<'a> Reducer<'a> {
         }
     }
 
+    /// Targets of an outline. Hidden frames have no tolerance bound; those next to shown ones have
+    /// a wide one, since a shape is shown for half a frame longer.
+    fn wish(&self, shown: &[Range<usize>], motion: Rc<[Placed]>, outline: &Outline<'_>) -> Wish {
+        let frames = self.clip.frames.len();
+        let tol = f64::from(self.options.pos_tol_px) * f64::from(GRID);
+        let mut is_shown = vec![false; frames];
+        for span in shown {
+            is_shown[span.clone()].fill(true);
+        }
+        let mut wish = Wish {
+            targets: Vec::new(),
+            reach: Vec::with_capacity(frames),
+            is_shown,
+            motion,
+        };
+        for f in 0..frames {
+            let beside = |g: usize| wish.is_shown.get(g).copied().unwrap_or(false);
+            let neighbour = [f.wrapping_sub(1), f + 1].into_iter().find(|g| beside(*g));
+            let mut points = (outline.sealed)(f);
+            let reach = match (wish.is_shown[f], neighbour) {
+                (true, _) => tol,
+                (false, Some(g)) => {
+                    // The sealed outline of the shown frame, moved on as the triangle moves.
+                    points = (outline.sealed)(g);
+                    let moves = (outline.places)(f).into_iter().zip((outline.places)(g));
+                    for (point, (here, there)) in points.iter_mut().zip(moves) {
+                        *point += here - there;
+                    }
+                    2.0 * tol
+                }
+                (false, None) => f64::INFINITY,
+            };
+            let placed = wish.motion(f);
+            wish.reach.push(placed.tolerance(reach));
+            let local = |point| placed.to_shape(on_grid(point).into()).to_array();
+            wish.targets.extend(points.into_iter().flat_map(local));
+        }
+        wish
+    }
+
     /// A shape with any number of points and one colour.
     fn region(&mut self, region: &Region, sealed: &[Vec<Vec2>]) -> KeyedShape {
-        let clip = self.outlines.clip;
-        let wish = self.outlines.wish(
+        let clip = self.clip;
+        let wish = self.wish(
             &region.frames,
             Rc::default(),
             &Outline {
@@ -337,15 +422,23 @@ impl<'a> Reducer<'a> {
                 places: &|f| region.points(clip, f),
             },
         );
-        let outline = wish.keyed(&[]);
-        self.count(&wish, &outline);
         KeyedShape {
             motion: None,
-            outline,
+            outline: self.outline(&wish),
             further_outlines: region.further_outlines(),
             paint: KeyedPaint::Flat(region.color),
             shown: KeyedShape::shown_in(&region.frames, clip.frames.len() as u32),
         }
+    }
+
+    fn outline(&mut self, wish: &Wish) -> KeyedTrack {
+        let outline = fewest_keys(&Windows {
+            targets: &wish.targets,
+            width: wish.width(),
+            reach: &wish.reach,
+        });
+        self.count(wish, &outline);
+        outline
     }
 
     fn count(&mut self, wish: &Wish, outline: &KeyedTrack) {
@@ -381,7 +474,7 @@ impl<'a> Reducer<'a> {
                 return None;
             }
             let corners = self.painted(f, (t, colors), wish, outline);
-            let slack = slack_of_small(&self.outlines.clip.places(f, t));
+            let slack = slack_of_small(&self.clip.places(f, t));
             let tol = if wish.is_shown[f] { tol } else { 2.0 * tol };
             Some((corners, tol * slack))
         };
@@ -396,7 +489,7 @@ impl<'a> Reducer<'a> {
         let line = moving_gradient::few_keys(&wanted);
         self.stats.gradients += 1;
         for f in (0..wish.is_shown.len()).filter(|f| wish.is_shown[*f]) {
-            let area = area(&self.outlines.clip.places(f, t));
+            let area = area(&self.clip.places(f, t));
             for apart in wanted.off(f, &line).into_iter().flatten() {
                 self.levels.add(apart / level, area);
             }
@@ -417,8 +510,8 @@ impl<'a> Reducer<'a> {
         wish: &Wish,
         outline: &KeyedTrack,
     ) -> Corners {
-        let shares = colors.shares(self.outlines.clip, f, t);
-        let places = self.outlines.clip.places(f, t);
+        let shares = colors.shares(self.clip, f, t);
+        let places = self.clip.places(f, t);
         let keyed = outline.at(f as f64);
         let sealed = wish.row(f);
         let placed = wish.motion(f);
@@ -528,9 +621,9 @@ mod tests {
         let options = KeyOptions::default();
         let of_layer = vec![Some(0); layers.len()];
         let along = |motions: &[KeyedMotion]| {
-            let follow = (motions, &of_layer[..]);
             let sealed = unsealed(&clip);
             let subject = (&clip, &drawn, &layers[..], &sealed);
+            let follow = (motions, &of_layer[..]);
             keyed_along(subject, follow, &options, &mut Progress::none())
         };
         let (keyed, stats) = along(std::slice::from_ref(&turning)).unwrap();
@@ -643,14 +736,8 @@ mod tests {
                     frames: std::iter::once(split..frames).collect(),
                 },
             ];
-            let (keyed, stats) = keyed(
-                &clip,
-                &drawn,
-                &layers,
-                &unsealed(&clip),
-                &KeyOptions::default(),
-            )
-            .unwrap();
+            let (sealed, usual) = (unsealed(&clip), KeyOptions::default());
+            let (keyed, stats) = keyed(&clip, &drawn, &layers, &sealed, &usual).unwrap();
             assert!(stats.position_max_px <= 0.5 + 1e-6);
             let text = smil(&keyed, "<&>\u{0}").unwrap();
             let moving = AnimatedSvg::read(&text).unwrap();

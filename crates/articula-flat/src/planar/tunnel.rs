@@ -21,13 +21,7 @@ pub(super) struct Windows<'a> {
     pub width: usize,
     /// Half width of the windows of each frame; infinite where the values are irrelevant.
     pub reach: &'a [f64],
-    /// Distances below and above each target that are allowed where that is less than the half width; not
-    /// bounded beyond the end.
-    pub bounds: &'a [[f64; 2]],
 }
-
-/// Least half width of a window, grid steps: some value of the grid is within it.
-pub(super) const LEAST_REACH: f64 = 0.5;
 
 impl Windows<'_> {
     fn frames(&self) -> usize {
@@ -40,36 +34,21 @@ impl Windows<'_> {
 
     /// Minimum and maximum value of a number in a frame.
     fn window(&self, frame: usize, number: usize, reserve: f64) -> [f64; 2] {
-        let [below, above] = self.reaches(frame, number).map(|reach| {
-            let reach = (reach - reserve).max(0.0);
-            if reach.is_finite() { reach } else { FAR }
-        });
+        let reach = (self.reach[frame] - reserve).max(0.0);
         let middle = self.row(frame)[number];
-        [middle - below, middle + above]
-    }
-
-    /// Distances of the ends of a window from its target.
-    fn reaches(&self, frame: usize, number: usize) -> [f64; 2] {
-        let reach = self.reach[frame];
-        let bounds = self.bounds.get(frame * self.width + number);
-        let bounds = bounds.filter(|_| reach.is_finite());
-        bounds.map_or([reach; 2], |bounds| {
-            bounds.map(|bound| reach.min(bound.max(LEAST_REACH)))
-        })
+        if reach.is_finite() {
+            [middle - reach, middle + reach]
+        } else {
+            [middle - FAR, middle + FAR]
+        }
     }
 
     /// Whether a track passes all windows.
     fn holds(&self, track: &KeyedTrack) -> bool {
         (0..self.frames()).all(|f| {
             let values = track.at(f as f64);
-            let is_within = |(n, value): (usize, &f64)| {
-                if !self.reach[f].is_finite() {
-                    return true;
-                }
-                let [low, high] = self.window(f, n, 0.0);
-                (low - 1e-9..=high + 1e-9).contains(value)
-            };
-            values.iter().enumerate().all(is_within)
+            let off = |(a, b): (&f64, &f64)| (a - b).abs() <= self.reach[f] + 1e-9;
+            values.iter().zip(self.row(f)).all(off)
         })
     }
 }
@@ -79,7 +58,7 @@ impl Windows<'_> {
 ///
 /// O(frames x longest segment x width).
 pub(super) fn fewest_keys(windows: &Windows<'_>) -> KeyedTrack {
-    let reach: Vec<f64> = windows.reach.iter().map(|r| r.max(LEAST_REACH)).collect();
+    let reach: Vec<f64> = windows.reach.iter().map(|r| r.max(0.5)).collect();
     let windows = Windows {
         reach: &reach,
         ..*windows
@@ -327,7 +306,6 @@ mod tests {
             targets,
             width: 1,
             reach: &vec![reach; targets.len()],
-            bounds: &[],
         })
     }
 
@@ -363,7 +341,6 @@ mod tests {
             targets: &targets,
             width: 1,
             reach: &reach,
-            bounds: &[],
         };
         assert_eq!(fewest_keys(&windows).frames, [0, 29]);
     }
@@ -374,7 +351,6 @@ mod tests {
             steps in prop::collection::vec((-9.0f64..9.0, -3.0f64..3.0), 1..60),
             reach in 0.5f64..8.0,
             hidden in prop::collection::vec(0usize..60, 0..20),
-            bounds in prop::collection::vec((0.0f64..9.0, 0.0f64..9.0), 0..120),
         ) {
             let mut at = [0.0, 100.0];
             let targets: Vec<f64> = steps
@@ -390,8 +366,7 @@ mod tests {
                     reach[f] = f64::INFINITY;
                 }
             }
-            let bounds: Vec<[f64; 2]> = bounds.into_iter().map(<[f64; 2]>::from).collect();
-            let windows = Windows { targets: &targets, width: 2, reach: &reach, bounds: &bounds };
+            let windows = Windows { targets: &targets, width: 2, reach: &reach };
             let track = fewest_keys(&windows);
             prop_assert!(windows.holds(&track));
             prop_assert!(track.len() <= steps.len());

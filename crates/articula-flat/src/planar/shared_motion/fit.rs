@@ -152,7 +152,6 @@ impl<'a> Fit<'a> {
                 targets,
                 width,
                 reach: &reach,
-                bounds: &[],
             })
         };
         let scale = TOLERANCE / radius * SCALE;

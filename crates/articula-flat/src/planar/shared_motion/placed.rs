@@ -47,12 +47,6 @@ impl Placed {
         self.to_picture.transform_point2(point)
     }
 
-    /// A vector in the coordinates of shapes whose dot product with an error of a point is that of a direction on
-    /// the picture with the error there.
-    pub(crate) fn direction_in_shape(self, way: DVec2) -> DVec2 {
-        self.to_picture.matrix2.transpose() * way
-    }
-
     /// Tolerance of each coordinate of a shape for a tolerance on the picture.
     pub(crate) fn tolerance(self, on_picture: f64) -> f64 {
         on_picture / self.growth
