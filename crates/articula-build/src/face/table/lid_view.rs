@@ -148,8 +148,7 @@ impl EyeView {
             }
             view.at_rest(&at)
         })?;
-        let seen = (grid, look.ball.as_deref());
-        let parts = lid_parts(surface, points, shape, seen, &region);
+        let parts = lid_parts(surface, points, shape, &look, &region);
         if parts.is_empty() {
             let opening = view.opening(&look, &region, &at);
             return Ok((view, opening?));
