@@ -22,6 +22,11 @@ pub struct ClipImpostors {
 }
 
 impl ClipImpostors {
+    /// Number of intervals of equal length between the poses of the list of a clip: 60 a second, at most 599.
+    pub fn intervals(duration_secs: f32) -> usize {
+        ((duration_secs * RATE_HZ).ceil() as usize).min(MAX_INTERVALS)
+    }
+
     /// Takes the time in seconds from which each pose is shown, ascending; the poses follow `first_pose`.
     pub fn of_stretches(
         first_pose: u32,
@@ -29,7 +34,7 @@ impl ClipImpostors {
         duration_secs: f32,
         error_metres: f32,
     ) -> Self {
-        let intervals = ((duration_secs * RATE_HZ).ceil() as usize).min(MAX_INTERVALS);
+        let intervals = Self::intervals(duration_secs);
         let pose = |i: usize| {
             let secs = duration_secs * i as f32 / intervals.max(1) as f32;
             let begun = from_secs.partition_point(|from| *from <= secs);

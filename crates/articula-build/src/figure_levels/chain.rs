@@ -10,8 +10,8 @@ const WORTH: f32 = 0.88;
 const DRAWS: usize = 60;
 const SOURCES: usize = 2;
 
-/// Levels that are kept however many draws they are: without any between the full character and the coarsest, a
-/// crowd of a character with 14 materials would draw five times as many triangles.
+/// Levels that are kept however many draws they are: with none between the full character and the coarsest, a crowd
+/// would be drawn in full up to where the coarsest will do.
 const LEAST_LEVELS: usize = 6;
 
 /// Ratio of successive tolerances: a quarter of an octave.

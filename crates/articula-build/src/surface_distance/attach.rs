@@ -113,12 +113,13 @@ impl Attached<'_> {
         let rest = &self.poses[0];
         let border = |(place, v): (usize, &u32)| {
             let part = parts.get(*of_vertex.get(*v as usize)?)?;
-            let (vertex, squared) = borders.nearest(part.material, rest[*v as usize], rest)?;
-            let least = self.least[place].squared;
-            (least.is_finite() && squared < least).then_some((place, vertex))
+            let (at, least) = (rest[*v as usize], self.least[place].squared);
+            if !(at.is_finite() && least.is_finite()) {
+                return None;
+            }
+            Some((place, borders.nearest(part.material, at, least)?))
         };
-        let is_off = |(place, _): &(usize, &u32)| self.least[*place].squared > 0.0;
-        let all = self.vertices.iter().enumerate().filter(is_off);
+        let all = self.vertices.iter().enumerate();
         all.filter_map(border).collect()
     }
 }

@@ -1,13 +1,14 @@
 //! Borders of materials: the edges at which a surface of one colour ends.
 
+use super::tree::{NO_TRIANGLE, SurfaceTree};
 use articula_core::Mesh;
 use foldhash::{HashMap, HashMapExt};
 use glam::Vec3;
 
-/// Vertices on the borders of each material of a mesh.
+/// Vertices on the borders of each material of a mesh, as the points that they are at rest.
 #[derive(Debug, Clone, Default)]
 pub struct Borders {
-    of_material: HashMap<Option<usize>, Vec<u32>>,
+    of_material: HashMap<Option<usize>, SurfaceTree>,
 }
 
 impl Borders {
@@ -34,26 +35,24 @@ impl Borders {
                 of_material.entry(material).or_default().extend(edge);
             }
         }
-        for vertices in of_material.values_mut() {
+        let points = |mut vertices: Vec<u32>| {
             vertices.sort_unstable();
             vertices.dedup();
+            let points: Vec<[u32; 3]> = vertices.into_iter().map(|v| [v; 3]).collect();
+            SurfaceTree::new(&points, rest)
+        };
+        let of_material = of_material.into_iter();
+        Self {
+            of_material: of_material.map(|(m, v)| (m, points(v))).collect(),
         }
-        Self { of_material }
     }
 
-    /// The vertex on a border of a material that is nearest to a position at rest, and the square of its distance;
-    /// `None` if the material has no border. O(vertices on borders).
-    pub(super) fn nearest(
-        &self,
-        material: Option<usize>,
-        at: Vec3,
-        rest: &[Vec3],
-    ) -> Option<(u32, f32)> {
-        let vertices = self.of_material.get(&material)?;
-        let distances = vertices
-            .iter()
-            .map(|v| (*v, rest[*v as usize].distance_squared(at)));
-        distances.min_by(|(_, a), (_, b)| a.total_cmp(b))
+    /// The vertex on a border of a material that is nearest to a finite position at rest; `None` if none is nearer
+    /// than the squared distance `limit`.
+    pub(super) fn nearest(&self, material: Option<usize>, at: Vec3, limit: f32) -> Option<u32> {
+        let points = self.of_material.get(&material)?;
+        let (_, place) = points.closest(at, NO_TRIANGLE, limit, 0.0)?;
+        Some(points.corners(place)[0])
     }
 }
 
@@ -71,12 +70,13 @@ mod tests {
     use super::*;
     use articula_core::Part;
 
-    /// A strip of two squares, each of two triangles and four vertices of its own.
-    fn strip(materials: [usize; 2]) -> (Mesh, Vec<Vec3>) {
-        let square = |x: f32| {
-            [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[a, b]| Vec3::new(x + a as f32, b as f32, 0.0))
+    /// Four squares around a corner, each of two triangles and four vertices of its own.
+    fn squares(materials: [usize; 4]) -> (Mesh, Vec<Vec3>) {
+        let square = |i: usize| {
+            let low = Vec3::new((i % 2) as f32, (i / 2) as f32, 0.0);
+            [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y].map(|corner| low + corner)
         };
-        let rest = [square(0.0), square(1.0)].concat();
+        let rest: Vec<Vec3> = (0..4).flat_map(square).collect();
         let part = |i: usize| Part {
             name: String::new(),
             mesh: 0,
@@ -84,10 +84,11 @@ mod tests {
             vertices: 4 * i..4 * i + 4,
             triangles: 2 * i..2 * i + 2,
         };
+        let halves = |i: u32| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v: u32| 4 * i + v));
         let mesh = Mesh {
             positions: rest.clone(),
-            triangles: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]],
-            parts: vec![part(0), part(1)],
+            triangles: (0..4).flat_map(halves).collect(),
+            parts: (0..4).map(part).collect(),
             ..Mesh::default()
         };
         (mesh, rest)
@@ -95,18 +96,21 @@ mod tests {
 
     #[test]
     fn seams_are_no_borders_and_other_materials_are() {
-        let (mesh, rest) = strip([3, 3]);
+        let nearest = |materials, material| {
+            let (mesh, rest) = squares(materials);
+            let borders = Borders::of(&mesh, &rest);
+            let at = Vec3::new(1.0, 0.9, 0.0);
+            let found = borders.nearest(Some(material), at, f32::INFINITY);
+            found.map(|v| rest[v as usize])
+        };
+        let middle = Vec3::new(1.0, 1.0, 0.0);
+        assert_eq!(nearest([3; 4], 3), Some(Vec3::X), "the middle is inside");
+        assert_eq!(nearest([3, 3, 3, 4], 3), Some(middle));
+        assert_eq!(nearest([3, 3, 3, 4], 4), Some(middle));
+        assert_eq!(nearest([3; 4], 4), None);
+        let (mesh, rest) = squares([3; 4]);
         let borders = Borders::of(&mesh, &rest);
-        let at = Vec3::new(0.9, 0.4, 0.0);
-        // The whole strip has one border, whose corners lie at the ends and, above and below, in the middle.
-        assert_eq!(borders.of_material.len(), 1);
-        assert_eq!(borders.nearest(Some(3), at, &rest).map(|n| n.0), Some(1));
-        assert_eq!(borders.nearest(Some(4), at, &rest), None);
-        let edges =
-            |borders: &Borders, material| borders.of_material.get(&Some(material)).map(Vec::len);
-        assert_eq!(edges(&borders, 3), Some(6), "two at each of three places");
-        let (mesh, rest) = strip([3, 4]);
-        let borders = Borders::of(&mesh, &rest);
-        assert_eq!((edges(&borders, 3), edges(&borders, 4)), (Some(4), Some(4)));
+        let within = |limit| borders.nearest(Some(3), Vec3::new(1.0, 0.5, 0.0), limit);
+        assert!(within(0.26).is_some() && within(0.25).is_none());
     }
 }

@@ -115,11 +115,16 @@ impl SurfaceTree {
     /// Closest point of the surface in a pose that it is fitted to; `None` if there is no triangle.
     pub(super) fn closest_point(&self, point: Vec3, positions: &[Vec3]) -> Option<SkinPoint> {
         let (_, place) = self.closest(point, NO_TRIANGLE, f32::INFINITY, 0.0)?;
-        let corners = self.triangles[place as usize / LANES][place as usize % LANES];
+        let corners = self.corners(place);
         Some(SkinPoint {
             corners,
             weights: triangle_weights(point, corners.map(|v| positions[v as usize])),
         })
+    }
+
+    /// Vertex indices of the triangle at a position, as [`Self::closest`] returns them.
+    pub(super) fn corners(&self, place: u32) -> [u32; 3] {
+        self.triangles[place as usize / LANES][place as usize % LANES]
     }
 
     /// Position of a given triangle, for use as a hint of [`Self::closest`].

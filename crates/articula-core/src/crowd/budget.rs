@@ -201,7 +201,8 @@ impl Budget {
         let expected_ns = self.learned.tick_ns(list) + self.learned.evaluate_ns(work.clone());
         let is_time = |ns: f64| ns > 0.0 && ns.is_finite();
         let has_work = work.clone().flatten().sum::<f64>() > 0.0;
-        if is_time(tick_ns) && is_time(evaluate_ns) && has_work {
+        let is_known = is_time(tick_ns) && is_time(evaluate_ns) && has_work;
+        if is_known {
             let times = Times {
                 tick_ns,
                 evaluate_ns,
@@ -209,7 +210,9 @@ impl Budget {
             };
             self.learned.learn(times, work.clone());
             self.held = self.held.saturating_add(1);
-            let tables = self.tables(&crowds);
+        }
+        let tables = self.tables(&crowds);
+        if is_known {
             self.learn_fit(&tables[list], self.learned.evaluate_ns(work));
             let next = self.chosen(&tables);
             if next != shown {
@@ -217,7 +220,6 @@ impl Budget {
             }
             self.allowance = next;
         }
-        let tables = self.tables(&crowds);
         let next = usize::from(self.allowance.by_processor);
         let next_ns = tables[next].cost_ns(self.fit * self.allowance.px);
         let report = BudgetReport {

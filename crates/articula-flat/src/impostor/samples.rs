@@ -2,14 +2,10 @@
 
 use super::error::ImpostorError;
 use crate::appearance::Appearance;
-use articula_core::{Clip, Mesh, PosedMesh, Progress, Rig, SkinnedMesh, Wrap, sample_morphs};
+use articula_core::{
+    Clip, ClipImpostors, Mesh, PosedMesh, Progress, Rig, SkinnedMesh, Wrap, sample_morphs,
+};
 use glam::Vec3;
-
-/// Rate at which clips are sampled, hertz: that of common displays.
-const RATE_HZ: f32 = 60.0;
-
-/// Maximum number of samples of a clip.
-const MAX_TIMES: usize = 600;
 
 /// Maximum number of vertices that are followed.
 const MAX_VERTICES: usize = 700;
@@ -89,7 +85,7 @@ impl MotionSamples {
         for clip in 0..count {
             progress.step(clip as f32 / count as f32)?;
             let duration_secs = source.clips.get(clip).map_or(0.0, Clip::duration_secs);
-            let steps = steps(duration_secs);
+            let steps = ClipImpostors::intervals(duration_secs);
             let time = |i: usize| match steps {
                 0 => 0.0,
                 _ => duration_secs * i as f32 / steps as f32,
@@ -119,12 +115,6 @@ impl MotionSamples {
         }
         Ok(Self { height_m, clips })
     }
-}
-
-/// Number of intervals between the samples of a clip.
-pub(super) fn steps(duration_secs: f32) -> usize {
-    let steps = (duration_secs * RATE_HZ).ceil() as usize;
-    steps.min(MAX_TIMES - 1)
 }
 
 /// Box around points.

@@ -19,7 +19,7 @@ pub(crate) struct MeshLods {
     pub(crate) levels: Vec<FigureLevel>,
     seed: u64,
     /// Computed when a measurement first needs them.
-    poses: OnceLock<Vec<Vec<Vec3>>>,
+    poses: OnceLock<(Vec<Vec<Vec3>>, Borders)>,
 }
 
 /// Levels of a crowd with their meshes.
@@ -84,7 +84,7 @@ impl MeshLods {
         let found = match known {
             Some(known) => paired_levels(asset, merged, known.levels, known.errors),
             None => {
-                let poses = lods.poses(asset).context("poses")?;
+                let (poses, _) = lods.poses(asset).context("poses")?;
                 figure_levels(asset, merged, &levels, poses, opts)
             }
         };
@@ -100,19 +100,21 @@ impl MeshLods {
         })
     }
 
-    /// Poses by which points of the levels correspond to vertices, the rest pose first.
-    fn poses(&self, asset: &Asset) -> Result<&[Vec<Vec3>]> {
-        if self.poses.get().is_none() {
-            let options = PoseOptions {
-                seed: self.seed,
-                ..PoseOptions::default()
-            };
-            let mut found = poses(asset, &options)?;
-            found.shaping.append(&mut found.measuring);
-            // A second thread would have computed the same.
-            let _ = self.poses.set(positions(asset, &found.shaping));
+    /// Poses by which points of the levels correspond to vertices, the rest pose first, and the borders of materials.
+    fn poses(&self, asset: &Asset) -> Result<&(Vec<Vec<Vec3>>, Borders)> {
+        if let Some(known) = self.poses.get() {
+            return Ok(known);
         }
-        Ok(self.poses.get().map_or(&[], Vec::as_slice))
+        let options = PoseOptions {
+            seed: self.seed,
+            ..PoseOptions::default()
+        };
+        let mut found = poses(asset, &options)?;
+        found.shaping.append(&mut found.measuring);
+        let poses = positions(asset, &found.shaping);
+        let borders = Borders::of(&asset.mesh, &poses[0]);
+        // A second thread would have computed the same.
+        Ok(self.poses.get_or_init(|| (poses, borders)))
     }
 
     /// Finds the points that correspond to vertices of the full mesh on the mesh of a level.
@@ -123,13 +125,12 @@ impl MeshLods {
         mesh: &Mesh,
         vertices: &[u32],
     ) -> Watch {
-        let poses = match self.poses(asset) {
-            Ok(poses) if self.levels[level].mesh_level != self.levels[0].mesh_level => poses,
+        let (poses, borders) = match self.poses(asset) {
+            Ok(known) if self.levels[level].mesh_level != self.levels[0].mesh_level => known,
             // Poses cannot fail for an asset whose levels were made.
             _ => return Watch::plain(vertices),
         };
-        let borders = Borders::of(&asset.mesh, &poses[0]);
-        let points = attach(&mesh.triangles, vertices, poses, &mesh.parts, &borders);
+        let points = attach(&mesh.triangles, vertices, poses, &mesh.parts, borders);
         let (vertices, points) = compact(&points);
         Watch {
             points: Some(points),

@@ -195,19 +195,20 @@ mod tests {
         clip
     }
 
-    fn of(
-        subject: (&PlanarClip, &Painting, &[Layer], &Overlaps),
+    fn within(
+        clip: &PlanarClip,
         pos_tol_px: f32,
-    ) -> SharedMotions {
-        SharedMotions::of(subject, pos_tol_px, &mut Progress::none()).unwrap()
-    }
-
-    fn shared(clip: &PlanarClip) -> SharedMotions {
+        progress: &mut Progress<'_>,
+    ) -> Result<SharedMotions, Cancelled> {
         let drawn = Drawn::of(clip).unwrap();
         let painting = Painting::single(clip, &drawn).unwrap();
         let overlaps = Overlaps::of(clip, &drawn).unwrap();
         let layers = painting.layers(&drawn);
-        of((clip, &painting, &layers, &overlaps), 0.5)
+        SharedMotions::of((clip, &painting, &layers, &overlaps), pos_tol_px, progress)
+    }
+
+    fn shared(clip: &PlanarClip) -> SharedMotions {
+        within(clip, 0.5, &mut Progress::none()).unwrap()
     }
 
     #[test]
@@ -269,30 +270,20 @@ mod tests {
 
     #[test]
     fn shapes_whose_grid_would_be_coarser_than_the_tolerance_follow_no_motion() {
-        let clip = swinging(40);
-        let drawn = Drawn::of(&clip).unwrap();
-        let painting = Painting::single(&clip, &drawn).unwrap();
-        let overlaps = Overlaps::of(&clip, &drawn).unwrap();
-        let layers = painting.layers(&drawn);
         // Half a grid step, which a turned grid exceeds.
-        let shared = of((&clip, &painting, &layers, &overlaps), 0.125);
+        let shared = within(&swinging(40), 0.125, &mut Progress::none()).unwrap();
         assert!(shared.motions.is_empty());
     }
 
     #[test]
     fn a_listener_hears_of_every_part_and_may_end_it() {
         let clip = swinging(40);
-        let drawn = Drawn::of(&clip).unwrap();
-        let painting = Painting::single(&clip, &drawn).unwrap();
-        let overlaps = Overlaps::of(&clip, &drawn).unwrap();
-        let layers = painting.layers(&drawn);
-        let subject = (&clip, &painting, &layers[..], &overlaps);
         let mut heard = Vec::new();
         let mut hook = |done| {
             heard.push(done);
             ControlFlow::Continue(())
         };
-        SharedMotions::of(subject, 0.5, &mut Progress::new(&mut hook)).unwrap();
+        within(&clip, 0.5, &mut Progress::new(&mut hook)).unwrap();
         assert!(heard.is_sorted(), "{heard:?}");
         assert!(heard.iter().all(|done| (0.0..=1.0).contains(done)));
         // Nothing takes longer than a tenth of the whole without a word.
@@ -303,7 +294,7 @@ mod tests {
                 true => ControlFlow::Continue(()),
                 false => ControlFlow::Break(()),
             };
-            let ended = SharedMotions::of(subject, 0.5, &mut Progress::new(&mut hook));
+            let ended = within(&clip, 0.5, &mut Progress::new(&mut hook));
             assert_eq!(ended, Err(Cancelled));
         }
     }
@@ -319,7 +310,8 @@ mod tests {
         let one = swinging(1);
         let overlaps = Overlaps::of(&one, &Drawn::of(&one).unwrap()).unwrap();
         let none = Painting { epochs: vec![] };
-        let nothing = of((&one, &none, &[], &overlaps), 0.5);
+        let subject = (&one, &none, &[][..], &overlaps);
+        let nothing = SharedMotions::of(subject, 0.5, &mut Progress::none()).unwrap();
         assert!(nothing.motions.is_empty() && nothing.layers.is_empty());
     }
 }
