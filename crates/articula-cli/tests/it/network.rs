@@ -6,14 +6,16 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// Address of the server in the network of the two.
-const SERVER: &str = "10.213.77.1";
-const CLIENT: &str = "10.213.77.2/30";
+/// What names of interfaces and of namespaces begin with; the number of the process follows. Names of interfaces have
+/// at most 15 bytes.
+const NAME: &str = "arti";
 
 /// A network, until it is dropped.
 struct Network {
-    namespace: String,
-    interface: String,
+    /// Of the interface here and of the namespace.
+    name: String,
+    /// Address of the server in the network of the two.
+    server: String,
 }
 
 fn ip(program: &str, words: &str) -> Result<(), String> {
@@ -30,34 +32,29 @@ fn ip(program: &str, words: &str) -> Result<(), String> {
 impl Network {
     /// Makes it; the reason where this is not allowed.
     fn new() -> Result<Self, String> {
+        remove_those_left();
         let number = std::process::id();
-        let network = Self {
-            namespace: format!("articula{number}"),
-            // Names of interfaces have at most 15 bytes.
-            interface: format!("arti{number}"),
-        };
-        let Self {
-            namespace,
-            interface,
-        } = &network;
-        ip("ip", &format!("netns add {namespace}"))?;
+        // Two interfaces with one address would take each other's answers: every process has four addresses of its own.
+        let [third, fourth] = [number / 64 % 256, number % 64 * 4];
+        let [server, client] = [1, 2].map(|of| format!("10.213.{third}.{}", fourth + of));
+        let name = format!("{NAME}{number}");
+        let network = Self { name, server };
+        let Self { name, server } = &network;
+        ip("ip", &format!("netns add {name}"))?;
         ip(
             "ip",
-            &format!("link add {interface} type veth peer name eth0 netns {namespace}"),
+            &format!("link add {name} type veth peer name eth0 netns {name}"),
         )?;
-        ip("ip", &format!("address add {SERVER}/30 dev {interface}"))?;
-        ip("ip", &format!("link set {interface} up"))?;
-        ip(
-            "ip",
-            &format!("-n {namespace} address add {CLIENT} dev eth0"),
-        )?;
-        ip("ip", &format!("-n {namespace} link set eth0 up"))?;
+        ip("ip", &format!("address add {server}/30 dev {name}"))?;
+        ip("ip", &format!("link set {name} up"))?;
+        ip("ip", &format!("-n {name} address add {client}/30 dev eth0"))?;
+        ip("ip", &format!("-n {name} link set eth0 up"))?;
         Ok(network)
     }
 
     /// Sets the rate of what the server sends.
     fn set_rate(&self, kbps: u32) -> Result<(), String> {
-        let of = &self.interface;
+        let of = &self.name;
         ip(
             "tc",
             &format!("qdisc replace dev {of} root tbf rate {kbps}kbit burst 4kb latency 400ms"),
@@ -67,12 +64,8 @@ impl Network {
     /// Plays the character there.
     fn play(&self, here: &Path, url: &str, words: &[&str]) -> Value {
         let output = Command::new("ip")
-            .args([
-                "netns",
-                "exec",
-                &self.namespace,
-                env!("CARGO_BIN_EXE_articula"),
-            ])
+            .args(["netns", "exec", &self.name])
+            .arg(env!("CARGO_BIN_EXE_articula"))
             .args(["--json", "play", url])
             .args(words)
             .current_dir(here)
@@ -86,9 +79,29 @@ impl Network {
 
 impl Drop for Network {
     fn drop(&mut self) {
-        // What was not made needs no removal.
-        let _ = ip("ip", &format!("link delete {}", self.interface));
-        let _ = ip("ip", &format!("netns delete {}", self.namespace));
+        remove(&self.name);
+    }
+}
+
+/// Removes the network of a name; what was not made needs no removal.
+fn remove(name: &str) {
+    let _ = ip("ip", &format!("link delete {name}"));
+    let _ = ip("ip", &format!("netns delete {name}"));
+}
+
+/// Removes networks whose processes were killed.
+fn remove_those_left() {
+    for at in ["/sys/class/net", "/run/netns"] {
+        for entry in std::fs::read_dir(at).into_iter().flatten().flatten() {
+            let name = entry.file_name();
+            let number = name.to_str().and_then(|name| name.strip_prefix(NAME));
+            let number = number.and_then(|number| number.parse::<u32>().ok());
+            if let Some(number) = number
+                && !Path::new(&format!("/proc/{number}")).exists()
+            {
+                remove(&format!("{NAME}{number}"));
+            }
+        }
     }
 }
 
@@ -108,7 +121,12 @@ fn a_client_on_a_real_network_knows_its_rate_and_shows_what_it_carries() {
         &here,
         &[&["package", word(human()), "human"], &flags[..]].concat(),
     );
-    let flags = ["--addr", &format!("{SERVER}:0"), "--token", "secret"];
+    let flags = [
+        "--addr",
+        &format!("{}:0", network.server),
+        "--token",
+        "secret",
+    ];
     let (_server, address) = started(&here, &flags);
     let path = "GET /v1/characters/human/manifest.json?wait=60 HTTP/1.1\r\n";
     while !request(&address, path, b"").contains("articula-state: ready") {}
