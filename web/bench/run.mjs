@@ -44,10 +44,11 @@ function page(all) {
 Made by \`cargo xtask bench-web --write\` in Chromium without a display, one page for each file. Characters stand in a square, 1.5 m
 apart, and play one clip from times of their own; the camera is at the middle of an edge and sees 1280 x 720 pixels. Times are
 those of the main thread until all arrays for the GPU are filled, without drawing: \`AnimationMixer\`, world matrices and skeletons of
-three.js, \`setTime\` and \`setBonesAt\` of @three.ez/instanced-mesh, two integers a character for a texture of poses at 30 Hz, and
+three.js, \`setTime\` and \`setBonesAt\` of @three.ez/instanced-mesh, two integers a character for a texture of poses at 30 Hz, the one
+time of \`BakedVertexAnimationManager\` of Babylon.js for thin instances whose frames are counted from the start, at 30 Hz too, and
 \`update\` of \`ArticulaCrowd\`, which culls and plans as well. They depend on the machine: compare within a page. Pixels off: of those that show
-one of 64 figures at 640 x 360 by \`WebGLRenderer\`, the share that differs by more than 8 levels from three.js's own skinning. Bytes
-are those that a frame changes.
+one of 64 figures at 640 x 360 by \`WebGLRenderer\`, the share that differs by more than 8 levels from three.js's own skinning; Babylon.js draws grey figures, and
+is compared with exact poses in its own shaders. Bytes are those that a frame changes.
 
 ${all.map(table).join('\n')}`;
 }

@@ -3,6 +3,7 @@ import { Articula } from '@articula/core';
 import { ArticulaLoader } from '@articula/three';
 import * as THREE from 'three';
 
+import { bakedAnimation, bakedPictures } from './babylon.js';
 import { bytesOf, KINDS, makeCrowd } from './ours.js';
 import { character, makeCamera, VIEW } from './scene.js';
 import { BAKED_HZ, bakedRecords, instancedMesh, loadTheirs, mixers, posedMixers } from './theirs.js';
@@ -16,6 +17,7 @@ const SAME = 8;
 const PICTURE = { width: 640, height: 360 };
 const PICTURE_COUNT = 64;
 const PICTURE_SECS = 0.3;
+const BABYLON = 'Babylon.js, baked vertex animation';
 
 /** Median and least milliseconds of a frame, over runs of many frames. */
 function timed(frame) {
@@ -117,6 +119,8 @@ async function pictures(asset, loaded, clip) {
     crowd.dispose();
   }
   renderer.dispose();
+  const baked = await bakedPictures(loaded, PICTURE_COUNT, PICTURE_SECS, PICTURE);
+  errors[BABYLON] = difference(baked.exact, baked.held, baked.empty);
   return errors;
 }
 
@@ -137,6 +141,7 @@ window.bench = {
         ['SkinnedMesh, a mixer each', mixers],
         ['instanced-mesh, one mixer', instancedMesh],
         ['baked texture of poses', bakedRecords],
+        [BABYLON, bakedAnimation],
       ];
       for (const [name, make] of theirs) {
         rows.push({ count, name, ...timeTheirs(make, loaded, count) });

@@ -132,3 +132,27 @@ export function posedMixers(loaded, count, secs, hz) {
   });
   return made.root;
 }
+
+/** The skinned meshes of a file, each with its matrices at some times of a clip: a row a time, a matrix a bone. */
+export function posedSkeletons({ scene, animation }, times) {
+  const figure = SkeletonUtils.clone(scene);
+  const mixer = new THREE.AnimationMixer(figure);
+  mixer.clipAction(animation).play();
+  const matrix = new THREE.Matrix4();
+  const poses = skinned(figure).map((mesh) => ({
+    mesh,
+    rows: new Float32Array(times.length * mesh.skeleton.bones.length * matrix.elements.length),
+  }));
+  times.forEach((time, row) => {
+    mixer.setTime(time);
+    figure.updateMatrixWorld(true);
+    for (const { mesh, rows } of poses) {
+      const { bones, boneInverses } = mesh.skeleton;
+      bones.forEach((bone, i) => {
+        matrix.multiplyMatrices(bone.matrixWorld, boneInverses[i]).multiply(mesh.bindMatrix);
+        matrix.toArray(rows, (row * bones.length + i) * matrix.elements.length);
+      });
+    }
+  });
+  return poses;
+}
