@@ -113,18 +113,18 @@ pub(crate) fn compare(
     lengths: &mut Vec<f32>,
 ) -> Tally {
     lengths.clear();
-    let mut worst_metres = 0.0f32;
+    let mut worst = 0.0f32;
     for ((t, s), drawn) in truth.iter().zip(shown).zip(&watched.drawn) {
-        let distance = t.distance(*s);
-        let distance = if distance.is_finite() { distance } else { 0.0 };
-        worst_metres = worst_metres.max(distance);
+        let squared = t.distance_squared(*s);
+        let squared = if squared.is_finite() { squared } else { 0.0 };
+        worst = worst.max(squared);
         if *drawn {
-            lengths.push(distance);
+            lengths.push(squared.sqrt());
         }
     }
     Tally {
         percentile_metres: percentile(lengths, 0.95),
-        worst_metres,
+        worst_metres: worst.sqrt(),
     }
 }
 

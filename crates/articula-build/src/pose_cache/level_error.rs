@@ -3,7 +3,8 @@
 //!
 //! Skinning is linear, so a vertex moves by the sum of what its bindings alone would move it by,
 //! times their weights. For each binding that is at most what it does to a corner of the box around
-//! its vertices, since the length of an affine function of the position is convex. Ticks are looked at in
+//! its vertices, since the length of an affine function of the position is convex. Bounds are enlarged by
+//! the greatest sum of weights, so that no vertex is off by more than the greatest one of its bindings. Ticks are looked at in
 //! the order of these bounds, so that the first ones have nearly the greatest errors; of the others only
 //! vertices are skinned whose sum exceeds the greatest error so far.
 
@@ -23,6 +24,8 @@ pub(super) struct LevelError<'a> {
     groups: &'a [Group],
     /// Vertices over which the percentile is computed.
     sample: &'a [u32],
+    /// How many of these each binding moves.
+    of_sample: Vec<usize>,
     /// Bound for the skin of each binding in each tick of a block, metres.
     bounds: Vec<f32>,
     lengths: Vec<f32>,
@@ -35,14 +38,21 @@ pub(super) struct Group {
     vertices: Vec<u32>,
     least: Vec3,
     greatest: Vec3,
+    /// Greatest sum of the magnitudes of the weights of a vertex, at least 1.
+    sum: f32,
 }
 
 impl<'a> LevelError<'a> {
     pub(super) fn new(mesh: &'a Mesh, groups: &'a [Group], sample: &'a [u32]) -> Self {
+        let mut of_sample = vec![0; groups.len()];
+        for vertex in sample {
+            influences(mesh, *vertex as usize).for_each(|(b, _)| of_sample[b] += 1);
+        }
         Self {
             mesh,
             groups,
             sample,
+            of_sample,
             bounds: Vec::new(),
             lengths: Vec::with_capacity(sample.len()),
             error: ShownError::default(),
@@ -67,7 +77,11 @@ impl<'a> LevelError<'a> {
         let most = bounds.chunks_exact(count).map(greatest);
         let mut order: Vec<(f32, usize)> = most.zip(0..).collect();
         order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        for (_, tick) in order {
+        for (most, tick) in order {
+            // None of the vertices of this tick and of those after it exceeds any error so far.
+            if most <= self.error.percentile_metres.min(self.error.worst_metres) {
+                break;
+            }
             let (changes, bounds) = (looks.tick(tick), &bounds[tick * count..][..count]);
             self.add_all(changes, bounds);
             self.add_sample(changes, bounds);
@@ -77,13 +91,17 @@ impl<'a> LevelError<'a> {
 
     /// Adds the errors of all vertices in one tick.
     fn add_all(&mut self, changes: &[Change], bounds: &[f32]) {
-        for (group, of_group) in self.groups.iter().zip(bounds) {
+        for (binding, group) in self.groups.iter().enumerate() {
             // What is not a number exceeds nothing.
-            if *of_group <= self.error.worst_metres {
+            if bounds[binding] <= self.error.worst_metres {
                 continue;
             }
             for vertex in &group.vertices {
-                if bound(self.mesh, *vertex, bounds) > self.error.worst_metres {
+                let known = self.error.worst_metres;
+                // A vertex of several bindings is looked at with the first one that exceeds what is known.
+                let is_first = |b: usize| b >= binding || bounds[b] <= known;
+                let mut of = influences(self.mesh, *vertex as usize);
+                if of.all(|(b, _)| is_first(b)) && bound(self.mesh, *vertex, bounds) > known {
                     let metres = Change::of_vertex(changes, self.mesh, *vertex);
                     self.error.worst_metres = self.error.worst_metres.max(metres);
                 }
@@ -95,6 +113,11 @@ impl<'a> LevelError<'a> {
     fn add_sample(&mut self, changes: &[Change], bounds: &[f32]) {
         let (mesh, known) = (self.mesh, self.error.percentile_metres);
         let beyond = points_beyond(self.sample.len());
+        let of_groups = self.of_sample.iter().zip(bounds);
+        let moved = of_groups.filter(|(_, bound)| **bound > known);
+        if moved.map(|(count, _)| count).sum::<usize>() <= beyond {
+            return;
+        }
         let may = |v: &&u32| bound(mesh, **v, bounds) > known;
         let does = |v: &&u32| Change::of_vertex(changes, mesh, **v) > known;
         // So few may be beyond the percentile without raising it.
@@ -130,14 +153,17 @@ impl Group {
             vertices: Vec::new(),
             least: Vec3::INFINITY,
             greatest: Vec3::NEG_INFINITY,
+            sum: 1.0,
         };
         let mut groups = vec![nothing; mesh.bindings.len()];
         for (v, position) in mesh.positions.iter().enumerate() {
             if !position.is_finite() {
                 continue;
             }
+            let sum = influences(mesh, v).map(|(_, weight)| weight.abs()).sum();
             for (binding, _) in influences(mesh, v) {
                 let group = &mut groups[binding];
+                group.sum = group.sum.max(sum);
                 if group.vertices.last() != Some(&(v as u32)) {
                     group.vertices.push(v as u32);
                 }
@@ -153,7 +179,7 @@ impl Group {
         if self.vertices.is_empty() {
             return 0.0;
         }
-        change.over(|map| self.farthest(map)) * (1.0 + ROUNDING) + ROUNDING_METRES
+        change.over(|map| self.farthest(map)) * self.sum * (1.0 + ROUNDING) + ROUNDING_METRES
     }
 
     /// Length of the longest image of a corner of the box.
@@ -183,6 +209,14 @@ mod tests {
     use crate::split_mix::SplitMix;
     use glam::Quat;
 
+    /// Weights of the mesh times a factor for each vertex.
+    fn unequal(mesh: &mut Mesh) {
+        let influences = mesh.influences;
+        for (i, weight) in mesh.weights.iter_mut().enumerate() {
+            *weight *= 0.5 + (i / influences % 7) as f32 / 3.0;
+        }
+    }
+
     #[test]
     fn maximum_and_percentile_are_those_of_every_vertex_and_of_every_tick() {
         let mut random = SplitMix(1);
@@ -191,6 +225,7 @@ mod tests {
         for position in &mut mesh.positions {
             *position += Vec3::new(number(0.3), number(0.3), number(0.3));
         }
+        unequal(&mut mesh);
         let (groups, sample) = (Group::of(&mesh), (0..mesh.len() as u32).step_by(2));
         let sample: Vec<u32> = sample.collect();
         let mut found = LevelError::new(&mesh, &groups, &sample);

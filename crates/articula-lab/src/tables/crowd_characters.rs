@@ -9,10 +9,12 @@ use articula::crowd::{
 };
 use articula::{Executor, Figure};
 use articula_build::{Plaza, plaza};
+use articula_formats::gltf::Document;
+use articula_human::HumanOptions;
 use articula_report::{FRAME_CLOCKS, crowd_for_sizes, thread_ns};
 use clap::Args;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::slice::from_ref;
 use std::sync::Arc;
 
@@ -45,6 +47,8 @@ const CHARACTERS: [&str; 14] = [
     "glb/CesiumMan.glb",
     "glb/ict_head_talk_554.glb",
 ];
+/// Name of the reference human, which is measured too.
+const HUMAN: &str = "reference_human";
 /// The character of a small run, its number of characters, and its frames, without and with a budget.
 const SMALL: &str = "glb/Quaternius_single_knight_pack__KnightCharacter.glb";
 const SMALL_COUNT: usize = 60;
@@ -87,17 +91,26 @@ struct Budgeted {
 /// Runs the table and writes it.
 pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     let names: &[&str] = if run.small { &[SMALL] } else { &CHARACTERS };
-    let is_chosen = |name: &&&str| {
+    let is_chosen = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
         choice.only.is_empty() || choice.only.iter().any(|part| name.contains(part.as_str()))
     };
-    let mut found = Vec::with_capacity(names.len());
-    for name in names.iter().filter(is_chosen) {
-        let path = run.data.join(name);
-        let size = match run.small {
-            true => (SMALL_COUNT, SMALL_FRAMES),
-            false => (COUNT, [FRAMES, BUDGET_FRAMES]),
-        };
-        let of = of(&path, size).with_context(|| path.display().to_string())?;
+    let made = tempfile::tempdir()?;
+    let mut paths: Vec<PathBuf> = names.iter().map(|name| run.data.join(name)).collect();
+    if !run.small {
+        let path = made.path().join(HUMAN).with_extension("glb");
+        let human = articula_human::human(&HumanOptions::default())?;
+        std::fs::write(&path, Document::from_character(&human)?.write_glb()?)?;
+        paths.push(path);
+    }
+    paths.retain(is_chosen);
+    let size = match run.small {
+        true => (SMALL_COUNT, SMALL_FRAMES),
+        false => (COUNT, [FRAMES, BUDGET_FRAMES]),
+    };
+    let mut found = Vec::with_capacity(paths.len());
+    for path in &paths {
+        let of = of(path, size).with_context(|| path.display().to_string())?;
         eprintln!("{}: {:.3} ms", of.name, of.frame.ms);
         found.push(of);
     }
@@ -304,10 +317,10 @@ fn given_up(used: &BudgetUse) -> String {
 
 const HEAD: &str = "# What a crowd of anybody costs
 
-Made by `cargo run --release -p articula-lab -- crowd-characters`: files of the data as they are, 10,000 of each on the
-plaza (docs/methods/runtime.md part 4), 1920 x 1080 px, with default options, two seconds at 60 Hz. Times are processor
-time of one thread; on a machine that others use too they are longer and vary more than on a quiet one. Errors are those
-of joints, mesh and cached poses together, as in docs/metrics.md.
+Made by `cargo run --release -p articula-lab -- crowd-characters`: files of the data as they are and the
+reference human, 10,000 of each on the plaza (docs/methods/runtime.md part 4), 1920 x 1080 px, with default options, two
+seconds at 60 Hz. Times are processor time of one thread; on a machine that others use too they are longer and vary more
+than on a quiet one. Errors are those of joints, mesh and cached poses together, as in docs/metrics.md.
 ";
 
 const FRAMES_TABLE: &str = "
