@@ -69,19 +69,25 @@ impl SourceHash {
     /// Adds an array of floats.
     pub fn floats(&mut self, values: impl ExactSizeIterator<Item = f32>) {
         self.number(values.len());
-        values.for_each(|value| self.put(&value.to_le_bytes()));
+        let mut words = Words::of(self);
+        values.for_each(|value| words.put(value.to_le_bytes()));
+        words.finish();
     }
 
     /// Adds an array of vectors.
     pub fn vectors<const N: usize>(&mut self, values: impl ExactSizeIterator<Item = [f32; N]>) {
         self.number(values.len());
-        values.for_each(|value| value.iter().for_each(|x| self.put(&x.to_le_bytes())));
+        let mut words = Words::of(self);
+        values.for_each(|value| value.iter().for_each(|x| words.put(x.to_le_bytes())));
+        words.finish();
     }
 
     /// Adds an array of indices.
     pub fn indices(&mut self, values: impl ExactSizeIterator<Item = u32>) {
         self.number(values.len());
-        values.for_each(|value| self.put(&value.to_le_bytes()));
+        let mut words = Words::of(self);
+        values.for_each(|value| words.put(value.to_le_bytes()));
+        words.finish();
     }
 
     /// Adds translation, rotation and scale as arrays of floats.
@@ -95,6 +101,44 @@ impl SourceHash {
     pub fn finish(mut self) -> u64 {
         self.flush();
         first_bytes(&self.hasher.finalize())
+    }
+}
+
+/// Numbers that are added together.
+const RUN: usize = 256;
+
+/// Numbers of an array that are added together: one at a time takes longer than hashing them.
+struct Words<'a> {
+    hash: &'a mut SourceHash,
+    kept: [[u8; 4]; RUN],
+    count: usize,
+}
+
+impl<'a> Words<'a> {
+    fn of(hash: &'a mut SourceHash) -> Self {
+        Self {
+            hash,
+            kept: [[0; 4]; RUN],
+            count: 0,
+        }
+    }
+
+    #[inline]
+    fn put(&mut self, word: [u8; 4]) {
+        if self.count == RUN {
+            self.flush();
+        }
+        self.kept[self.count] = word;
+        self.count += 1;
+    }
+
+    fn flush(&mut self) {
+        self.hash.put(self.kept[..self.count].as_flattened());
+        self.count = 0;
+    }
+
+    fn finish(mut self) {
+        self.flush();
     }
 }
 

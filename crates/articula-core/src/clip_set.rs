@@ -419,6 +419,20 @@ impl<'a> Frames<'a> {
         }
     }
 
+    /// Values of the channels of a joint in the frames of the clip; the last of each stays.
+    fn channels<'s>(&'s self, joint: usize, rest: &'s Transform) -> Channels<'s> {
+        fn values<'s, T>(track: Option<&'s Track<T>>, frames: usize, rest: &'s T) -> &'s [T] {
+            track.map_or(std::slice::from_ref(rest), |track| {
+                &track.values[..track.values.len().min(frames)]
+            })
+        }
+        Channels {
+            rotations: values(self.rotations[joint], self.len(), &rest.rotation),
+            translations: values(self.translations[joint], self.len(), &rest.translation),
+            scales: values(self.scales[joint], self.len(), &rest.scale),
+        }
+    }
+
     /// Whether a channel of a joint holds its values instead of blending them.
     fn holds(&self, joint: usize) -> [bool; 3] {
         fn step<T>(track: Option<&Track<T>>) -> bool {
@@ -430,6 +444,19 @@ impl<'a> Frames<'a> {
             step(self.scales[joint]),
         ]
     }
+}
+
+/// Values of the channels of a joint in one clip, at least one of each.
+struct Channels<'a> {
+    rotations: &'a [Quat],
+    translations: &'a [Vec3],
+    scales: &'a [Vec3],
+}
+
+/// Values in as many frames, of which the last stays.
+fn in_frames<T: Copy>(values: &[T], frames: usize) -> impl Iterator<Item = T> + '_ {
+    let last = values.len() - 1;
+    (0..frames).map(move |frame| values[frame.min(last)])
 }
 
 /// Assigns a slot to every channel that some frame moves away from its constant: rotations first,
@@ -445,12 +472,18 @@ fn layout(
     for (place, moves) in moves.iter_mut().enumerate() {
         let (joint, constant) = (usize::from(joint_lods.joints()[place]), constants[place]);
         let still = STILL * extents[joint];
-        for (clip, frame) in clips.iter().flat_map(|c| (0..c.len()).map(move |f| (c, f))) {
-            let now = clip.at(joint, frame);
-            let turned = now.rotation - constant.rotation;
-            moves[0] |= turned.to_array().iter().any(|c| c.abs() > STILL);
-            moves[1] |= !now.translation.abs_diff_eq(constant.translation, still);
-            moves[2] |= !now.scale.abs_diff_eq(constant.scale, STILL);
+        let rest = rig.rest_pose().get(joint);
+        let turns = |q: &Quat| {
+            let turned = (*q - constant.rotation).to_array();
+            turned.iter().any(|c| c.abs() > STILL)
+        };
+        for clip in clips {
+            let of = clip.channels(joint, &rest);
+            let leaves = |v: &Vec3| !v.abs_diff_eq(constant.translation, still);
+            let grows = |v: &Vec3| !v.abs_diff_eq(constant.scale, STILL);
+            moves[0] = moves[0] || of.rotations.iter().any(turns);
+            moves[1] = moves[1] || of.translations.iter().any(leaves);
+            moves[2] = moves[2] || of.scales.iter().any(grows);
         }
     }
     let mut sources = vec![TrackSlots::default(); joint_lods.joints().len()];
@@ -478,26 +511,30 @@ fn written(
     let mut segments = Vec::new();
     for (clip, rate_hz) in frames.iter().zip(rates_hz) {
         let first = rows.len();
-        for frame in 0..clip.len() {
-            rows.resize(first + (frame + 1) * slots, [0.0; 4]);
-            let at = first + frame * slots;
-            for (place, source) in sources.iter().enumerate() {
-                let now = clip.at(usize::from(joint_lods.joints()[place]), frame);
-                if let Some(slot) = source[0].map(|s| s as usize) {
+        let count = clip.len();
+        rows.resize(first + count * slots, [0.0; 4]);
+        let rows_of = |slot: u32| {
+            let from = first + slot as usize;
+            (from..).step_by(slots.max(1))
+        };
+        for (place, source) in sources.iter().enumerate() {
+            let joint = usize::from(joint_lods.joints()[place]);
+            let rest = clip.rest.get(joint);
+            let of = clip.channels(joint, &rest);
+            if let Some(slot) = source[0] {
+                let mut before = None;
+                for (at, q) in rows_of(slot).zip(in_frames(of.rotations, count)) {
                     // In the hemisphere of the frame before, so that a linear blend takes the
                     // shorter arc.
-                    let q = match frame {
-                        0 => now.rotation,
-                        _ => {
-                            same_hemisphere(Quat::from_array(rows[at - slots + slot]), now.rotation)
-                        }
-                    };
-                    rows[at + slot] = q.to_array();
+                    let q = before.map_or(q, |before| same_hemisphere(before, q));
+                    rows[at] = q.to_array();
+                    before = Some(q);
                 }
-                for (slot, v) in [(source[1], now.translation), (source[2], now.scale)] {
-                    if let Some(slot) = slot {
-                        rows[at + slot as usize] = v.extend(0.0).to_array();
-                    }
+            }
+            for (slot, values) in [(source[1], of.translations), (source[2], of.scales)] {
+                let Some(slot) = slot else { continue };
+                for (at, v) in rows_of(slot).zip(in_frames(values, count)) {
+                    rows[at] = v.extend(0.0).to_array();
                 }
             }
         }

@@ -156,11 +156,17 @@ pub struct Segments {
 /// Returns a joint name as joint maps compare it: lower case, without namespace and separators.
 pub fn folded(name: &str) -> String {
     let own = name.rsplit([':', '|']).find(|part| !part.is_empty());
-    own.unwrap_or_default()
-        .chars()
-        .filter(|c| !matches!(c, ' ' | '-' | '_' | '.'))
-        .flat_map(char::to_lowercase)
-        .collect()
+    let own = own.unwrap_or_default();
+    let is_kept = |c: &char| !matches!(c, ' ' | '-' | '_' | '.');
+    let mut out = String::with_capacity(own.len());
+    // A character is compared with many maps when it is opened, and most names are plain.
+    if own.is_ascii() {
+        let letters = own.chars().filter(is_kept);
+        letters.for_each(|c| out.push(c.to_ascii_lowercase()));
+    } else {
+        out.extend(own.chars().filter(is_kept).flat_map(char::to_lowercase));
+    }
+    out
 }
 
 /// The folded name without a prefix (and the digits of a copy) or a suffix.
@@ -191,6 +197,9 @@ mod tests {
         }
         assert_eq!(folded("Left:"), "left", "an empty last part is no name");
         assert_eq!(folded(""), "");
+        // By letters beyond ASCII as well, of which some have two small ones.
+        assert_eq!(folded("rig:ÄRMEL_L.001"), "ärmell001");
+        assert_eq!(folded("İ-K"), "i\u{307}k");
     }
 
     #[test]
