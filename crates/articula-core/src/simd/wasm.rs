@@ -214,11 +214,13 @@ impl Lanes for Simd128 {
         stride: usize,
         at: usize,
     ) {
+        let whole = out.len() >= (LANES - 1) * stride + at + R;
+        assert!(whole, "the slice must hold the rows of eight lanes");
+        let out = out.as_mut_ptr();
         for (row, tiles) in rows.into_iter().enumerate() {
             for (lane, numbers) in Self::rows(tiles, eight).into_iter().enumerate() {
-                let out: &mut Row = &mut out[lane * stride + at + row];
-                // SAFETY: four numbers are written to four.
-                unsafe { v128_store(out.as_mut_ptr().cast(), numbers) };
+                // SAFETY: the row lies within `out`, as was just checked.
+                unsafe { v128_store(out.add(lane * stride + at + row).cast(), numbers) };
             }
         }
     }
