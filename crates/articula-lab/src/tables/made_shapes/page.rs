@@ -25,8 +25,7 @@ pub(super) fn page(heads: &[(Head, Vec<Row>)]) -> String {
                     Errors are over the seen vertices that either shape moves by more than 5 % of the largest displacement: mean and \
                     95th percentile. Contours of lips (inner and outer) and lids (both rims) are chains of vertices; their error is the \
                     mean distance from the one contour to the other, both ways. The gap is the tallest place between the lids at which, seen \
-                    from the front, an eyeball is before the skin or, without eyeballs, the skin falls back into a socket, by the own / the made shape; it reads too much where lids are parts of their own, or the inner corner \
-                    is a hollow, as the own shapes of our human and the woman show. Flips are triangles that face another way than at rest and than the triangles around them, crossings are pairs of the skin's \
+                    from the front, an eyeball is before the lids (the skin, and sheets on the ball that are parts of their own) or, without eyeballs, what is seen inside of the socket at rest is seen still, by the own / the made shape. Flips are triangles that face another way than at rest and than the triangles around them, crossings are pairs of the skin's \
                     triangles that go through each other and do not at rest: by the own shape / by the made one and not the own. \
                     – is what the head does not have.\n"
         .to_owned();
@@ -38,6 +37,15 @@ pub(super) fn page(heads: &[(Head, Vec<Row>)]) -> String {
                 let _ = writeln!(page, "No shapes are made: {why}");
             }
             Ok(_) => page.push_str(&table(rows)),
+        }
+        for refused in head.refused.chunk_by(|a, b| a.why == b.why) {
+            let names: Vec<&str> = refused.iter().map(|r| r.shape).collect();
+            let _ = writeln!(
+                page,
+                "\nNot made: {}: {}.",
+                names.join(", "),
+                refused[0].why
+            );
         }
     }
     page
