@@ -1,8 +1,7 @@
 //! Lids that are parts of their own, beside the skin: sheets on the eyeball.
 
-use super::super::points::{FacePoints, FaceSurface, FrontView};
+use super::super::points::{FacePoints, FaceSurface, FrontGrid, FrontView};
 use super::eye_shape::EyeShape;
-use super::lid_view::Look;
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -14,16 +13,16 @@ const COVERS: std::ops::Range<f32> = 0.12..0.9;
 const TALL: f32 = 0.5;
 const THICK: f32 = 1.07;
 
-/// The triangles of the lids of an eye that are parts of their own. `look` shows the skin without them, and `region`
-/// the cells of its opening.
+/// The triangles of the lids of an eye that are parts of their own: `grid` are the cells of a view, `ball` the depths of
+/// the eyeball in them, if there is one, and `region` those of the opening of the skin.
 pub(super) fn lid_parts(
     surface: &FaceSurface,
     points: &FacePoints,
     shape: &EyeShape,
-    look: &Look,
+    (grid, ball): (FrontGrid, Option<&[f32]>),
     region: &[usize],
 ) -> Vec<[u32; 3]> {
-    let Some(ball) = &look.ball else {
+    let Some(ball) = ball else {
         return Vec::new();
     };
     let at = |v: u32| surface.positions[v as usize];
@@ -41,7 +40,7 @@ pub(super) fn lid_parts(
             return false;
         }
         let corners = part.iter().map(|t| t.map(at));
-        let view = FrontView::of(look.skin.grid, corners, shape.centre.z);
+        let view = FrontView::of(grid, corners, shape.centre.z);
         let covered = region
             .iter()
             .filter(|c| view.depths[**c] > ball[**c])

@@ -148,7 +148,8 @@ impl EyeView {
             }
             view.at_rest(&at)
         })?;
-        let parts = lid_parts(surface, points, shape, &look, &region);
+        let seen = (grid, look.ball.as_deref());
+        let parts = lid_parts(surface, points, shape, seen, &region);
         if parts.is_empty() {
             let opening = view.opening(&look, &region, &at);
             return Ok((view, opening?));
