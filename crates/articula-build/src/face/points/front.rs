@@ -2,6 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
+/// Cells on each side of the middle at most: what is looked at may be of any size where points are wrong.
+const MOST: f32 = 800.0;
+
 /// No triangle.
 pub(in crate::face) const NONE: u32 = u32::MAX;
 
@@ -26,9 +29,11 @@ pub(in crate::face) struct FrontView {
 }
 
 impl FrontGrid {
-    /// A grid around a place, even on both sides of it, with this half width at least.
+    /// A grid around a place, even on both sides of it, with this half width at least. Cells are larger than `step` where
+    /// there would be more than 1601 in a row.
     pub(in crate::face) fn around(middle: Vec2, half: f32, step: f32) -> Self {
-        let half = (half / step).ceil();
+        let step = step.max(half / MOST);
+        let half = (half / step).ceil().min(MOST);
         Self {
             low: middle - half * step,
             step,
@@ -189,6 +194,30 @@ mod tests {
             at(left, high),
         ];
         [[a, b, c], [a, c, d]]
+    }
+
+    #[test]
+    fn a_grid_of_any_width_has_a_bounded_number_of_cells() {
+        for (half, step) in [
+            (1e6, 1e-6),
+            (f32::INFINITY, 1e-3),
+            (1.0, 0.0),
+            (f32::NAN, 1.0),
+        ] {
+            let grid = FrontGrid::around(Vec2::ZERO, half, step);
+            assert!(
+                grid.count <= 1601,
+                "{half} m in cells of {step} m: {}",
+                grid.count
+            );
+        }
+        let wide = FrontGrid::around(Vec2::ZERO, 1e6, 1e-6);
+        assert!(
+            wide.cell(Vec2::splat(9.9e5)).is_some(),
+            "it is as wide as was asked"
+        );
+        let usual = FrontGrid::around(Vec2::ZERO, 0.9, 0.02);
+        assert_eq!((usual.count, usual.step), (91, 0.02));
     }
 
     #[test]
