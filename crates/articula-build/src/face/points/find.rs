@@ -6,6 +6,7 @@ use super::template::{EYE_CENTRES, FOUND, POINTS, WIDTHS, face_height, of, templ
 use super::units::FaceUnits;
 use super::warp::Warp;
 use articula_core::feature_points::{FEATURE_POINTS, PointId, feature_point_index};
+use articula_core::triangle_distance_squared;
 use glam::Vec3;
 use thiserror::Error;
 
@@ -202,7 +203,7 @@ impl FacePoints {
             let vertex = (!is_inside(point))
                 .then(|| snap.vertex(point, place))
                 .flatten();
-            let away = vertex.map_or(0.0, |v| surface.positions[v as usize].distance(place));
+            let away = vertex.map_or(0.0, |v| snap.away(v, place));
             let is_blind = point.0 == 3 && source == PointSource::Template && !has_eyes;
             let unseen = if is_blind { UNSEEN_EYE } else { 1.0 };
             Some(FacePoint {
@@ -352,6 +353,17 @@ impl<'a> Snap<'a> {
             normals,
             height,
         }
+    }
+
+    /// Distance of a place from the skin, but at most that from a vertex of it; vertices of a coarse skin are far apart.
+    fn away(&self, vertex: u32, place: Vec3) -> f32 {
+        let near = self.surface.positions[vertex as usize].distance(place);
+        if near <= ON_SKIN * self.height {
+            return near;
+        }
+        let triangles = self.parts.skin.iter().map(|t| self.surface.corners(t));
+        let squares = triangles.map(|corners| triangle_distance_squared(place, corners));
+        squares.fold(near * near, f32::min).sqrt()
     }
 
     /// The nearest vertex; for the rims of lips and lids, one that faces the opening.
