@@ -101,18 +101,33 @@ fn socket(view: &FrontView, hollow: &Hollow) -> Option<Socket> {
     let middle = grid.column(hollow.middle.x).round() as usize;
     let (left, right) = (columns().max()?, columns().min()?);
     let (top, bottom) = (rows(middle).max()?, rows(middle).min()?);
+    let [top, bottom] = [top + 1, bottom.checked_sub(1)?];
     let found = EyeOpening {
         left: corner(left, left + 1)?,
         right: corner(right, right.checked_sub(1)?)?,
-        top: place((top + 1) * count + middle),
-        bottom: place(bottom.checked_sub(1)? * count + middle),
+        top: edge(view, (top..count).map(|row| row * count + middle))?,
+        bottom: edge(view, (0..=bottom).rev().map(|row| row * count + middle))?,
     };
-    let finite = found.top.is_finite() && found.bottom.is_finite();
-    let rims = found.top.midpoint(found.bottom);
-    finite.then_some(Socket {
+    let rims = place(top * count + middle).midpoint(place(bottom * count + middle));
+    rims.is_finite().then_some(Socket {
         pupil: Vec3::new(hollow.middle.x, rims.y, rims.z),
         opening: found,
     })
+}
+
+/// The front edge of a lid, along cells from its rim on: what comes forward more steeply than 45° is the margin, which goes
+/// back to the eye.
+fn edge(view: &FrontView, cells: impl Iterator<Item = usize>) -> Option<Vec3> {
+    let places = cells.map(|cell| view.grid.place(cell).extend(view.depths[cell]));
+    let mut places = places.take_while(|place| place.is_finite());
+    let mut edge = places.next()?;
+    for next in places {
+        if next.z - edge.z <= view.grid.step {
+            break;
+        }
+        edge = next;
+    }
+    Some(edge)
 }
 
 #[cfg(test)]
@@ -140,6 +155,26 @@ mod tests {
         }
         wall(all, [-0.15, 0.2], 0.1 - behind);
         (surface, part)
+    }
+
+    #[test]
+    fn the_edge_of_a_lid_is_in_front_of_its_margin() {
+        // Cells of 1 m in a column: the margin comes forward by 2 m in each of three, the skin above by half a metre.
+        let grid = FrontGrid::around(Vec2::ZERO, 3.0, 1.0);
+        let depths = (0..49).map(|cell| match cell / 7 {
+            row @ 0..=3 => 2.0 * row as f32,
+            row => 6.0 + 0.5 * (row - 3) as f32,
+        });
+        let view = FrontView {
+            grid,
+            depths: depths.collect(),
+            triangles: vec![0; 49],
+        };
+        let found = edge(&view, (0..7).map(|row| 7 * row + 3));
+        assert_eq!(found, Some(Vec3::new(0.0, 0.0, 6.0)));
+        // Skin that goes back at once has its edge at the rim.
+        let back = edge(&view, (0..7).rev().map(|row| 7 * row + 3));
+        assert_eq!(back, Some(Vec3::new(0.0, 3.0, 7.5)));
     }
 
     #[test]
