@@ -22,6 +22,14 @@ const INSIDE: f32 = 1.5;
 /// the distance from a rim of the latter.
 const SMOOTHED: [f32; 2] = [6e-3, 0.045];
 const AWAY: f32 = 0.035;
+/// Most by which the way of a lid falls off along it beyond the corners, at the rim and away from it: an opening that ends
+/// steeply, as before the inner corner, is no step in the lid.
+const STEEP: [f32; 2] = [2.5, 0.6];
+/// Difference of the distances from both rims, by height of the face, from which skin goes on beyond the corners: between
+/// them it goes with neither.
+const APART: f32 = 0.03;
+/// Skin that rests up to this distance beyond what goes with a lid, by height of the face, may be smoothed with it.
+const AROUND_LID: f32 = 0.02;
 /// Distance of lids from the eyeball, by height of the face: 0.27 mm on an average one.
 const CLEAR: f32 = 2e-3;
 /// Skin up to this distance from the centre of an eye, by its radius, stays outside of it.
@@ -38,6 +46,10 @@ const OF_LID: f32 = 2e-3;
 /// Closing, by what 1024 units of a parameter say, from which the upper lid moves more or less than its
 /// parameter says, and at which its rim, so, is where both lids meet.
 const ADAPTED: [f32; 2] = [0.2, 0.9];
+/// Least way of a point of a lid, by the height of the opening; one that goes less is not of the lid.
+const LEAST_OWN: f32 = 0.25;
+/// Share of the opening from which what closes lids wholly is added at the latest.
+const MOST_CORRECTED: f32 = 0.5;
 /// Most by which the opening may differ from 1024 units, by its height.
 const MOST_ADAPTED: f32 = 0.5;
 /// Depth of the middle of an eye without eyeball behind its rims, by height of the face, and by the width of
@@ -55,10 +67,12 @@ const EYES: [([PointId; 2], [PointId; 2]); 2] = [
 pub(super) struct EyeLids {
     pub(super) shape: EyeShape,
     pub(super) heights: Heights,
-    /// Height of the opening at rest at the middles of the upper and the lower lid, metres.
+    /// How far the points of the upper and the lower lid go as their lid closes the opening, metres.
     gaps: [f32; 2],
     /// Length of 1024 units of the parameters of lids, metres: these close the eye.
     closed: f32,
+    /// Share of the opening up to which lids go as their parameters say, without what closes them wholly.
+    corrected: f32,
     /// Vertices of lids, ascending.
     pub(super) vertices: Vec<LidVertex>,
     /// Vertices of other parts that a lid carries, such as lashes.
@@ -82,6 +96,8 @@ pub(super) struct Heights {
     rims: Vec<[f32; 2]>,
     /// How far a lid goes to the other one, at its rim and away from it.
     ways: [Vec<f32>; 2],
+    /// What is added to these where both lids are apart, so that they end in no step.
+    beyond: [Vec<f32>; 2],
     /// What the upper and the lower lid go in addition when the eye is closed.
     pub(super) more: [Vec<f32>; 2],
 }
@@ -95,8 +111,8 @@ pub(super) struct LidVertex {
     going: Going,
     /// Whether it is of the rim itself.
     pub(super) is_rim: bool,
-    /// How far it comes forward when the eye is closed, metres.
-    pub(super) forward: f32,
+    /// What is added to its motion when the eye is closed, metres.
+    pub(super) more: Vec3,
 }
 
 /// How a place goes with a lid.
@@ -108,6 +124,8 @@ struct Going {
     share: f32,
     /// 0 at the rim, 1 away from it.
     away: f32,
+    /// 0 as near to the one rim as to the other, 1 at one of them.
+    apart: f32,
 }
 
 /// A vertex that turns about the middle of the eye as the lid does.
@@ -140,6 +158,7 @@ impl Going {
             side,
             share: 1.0,
             away: 0.0,
+            apart: 1.0,
         }
     }
 }
@@ -155,38 +174,37 @@ impl Heights {
     fn of(opening: &Opening, height: f32) -> Self {
         let step = opening.grid.step;
         let count = opening.rims.len();
-        // Beyond the corners nothing is open, and a little further still what is smoothed is.
-        let beside = (SMOOTHED[1] * height / step).ceil() as usize;
-        let open = |i: isize| match usize::try_from(i - beside as isize) {
-            Ok(i) if i < count => opening.rims[i][0] - opening.rims[i][1],
-            _ => 0.0,
-        };
+        let known = |i: usize| opening.rims[i][0] - opening.rims[i][1];
+        let tallest = (0..count).map(known).fold(0.0, f32::max);
+        // Beyond the corners nothing is open, but lids go on there.
+        let beside = (tallest / STEEP[0].min(STEEP[1]) + SMOOTHED[1] * height) / step;
+        let beside = beside.ceil() as usize;
         let all = count + 2 * beside;
-        let smoothed = |over: f32| -> Vec<f32> {
-            let width = (over * height / step).max(2.0);
-            let reach = width.ceil() as isize;
-            let weights = (-reach..=reach).map(|j| smooth(1.0 - (j as f32 / width).abs()));
-            let weights: Vec<f32> = weights.collect();
-            let sum: f32 = weights.iter().sum();
-            let at = |i: isize| {
-                let open = (-reach..=reach).map(|j| open(i + j));
-                open.zip(&weights).map(|(o, w)| o * w).sum::<f32>() / sum
-            };
-            (0..all as isize).map(at).collect()
+        let mut open = vec![0.0; beside];
+        open.extend((0..count).map(known));
+        open.resize(all, 0.0);
+        let mut ways = SMOOTHED.map(|over| smoothed(&open, over * height / step));
+        let at_least = |way: &mut Vec<f32>| {
+            let pairs = way.iter_mut().zip(&open);
+            pairs.for_each(|(way, open)| *way = way.max(*open));
         };
-        let [mut near, away] = SMOOTHED.map(smoothed);
-        for (i, way) in near.iter_mut().enumerate() {
-            *way = way.max(open(i as isize));
-        }
-        let rims = (0..all).map(|i| {
-            let known = i.saturating_sub(beside).min(count - 1);
-            opening.rims[known]
+        at_least(&mut ways[0]);
+        let mut beyond = [0, 1].map(|away: usize| {
+            let sloped = sloped(&open, STEEP[away] * step);
+            smoothed(&sloped, SMOOTHED[away] * height / step)
         });
+        at_least(&mut beyond[0]);
+        for (beyond, ways) in beyond.iter_mut().zip(&ways) {
+            let pairs = beyond.iter_mut().zip(ways);
+            pairs.for_each(|(beyond, way)| *beyond -= way);
+        }
+        let rims = (0..all).map(|i| opening.rims[i.saturating_sub(beside).min(count - 1)]);
         Self {
             low: opening.grid.low.x + (opening.first as f32 - beside as f32) * step,
             step,
             rims: rims.collect(),
-            ways: [near, away],
+            ways,
+            beyond,
             more: [vec![0.0; all], vec![0.0; all]],
         }
     }
@@ -201,13 +219,16 @@ impl Heights {
         })
     }
 
-    /// Way of a lid at a place, 0 to 1 away from its rim.
-    fn way(&self, x: f32, away: f32) -> f32 {
+    /// Way at a place of what goes with a lid.
+    fn way(&self, x: f32, going: Going) -> f32 {
         let Some((a, b, t)) = self.between(x) else {
             return 0.0;
         };
-        let [near, far] = self.ways.each_ref().map(|w| w[a] + t * (w[b] - w[a]));
-        near + away * (far - near)
+        let at = |values: &[Vec<f32>; 2]| {
+            let [near, far] = values.each_ref().map(|w| w[a] + t * (w[b] - w[a]));
+            near + going.away * (far - near)
+        };
+        at(&self.ways) + going.apart * at(&self.beyond)
     }
 
     fn more(&self, side: usize, x: f32) -> f32 {
@@ -235,7 +256,8 @@ impl EyeLids {
     pub(super) fn of(input: &LidInput<'_>) -> [Result<Self, NoLids>; 2] {
         [0, 1].map(|eye| {
             let (view, mut lids) = Self::of_eye(input, eye)?;
-            lids.close_fully(&view, &input.surface.positions)?;
+            let (positions, joined) = (&input.surface.positions, &input.points.parts.joined);
+            lids.close_fully(&view, positions, joined)?;
             Ok(lids)
         })
     }
@@ -262,14 +284,20 @@ impl EyeLids {
             return Err(NoLids::NoRim);
         }
         let most = heights.most();
-        let gap = |point: PointId| {
-            let vertex = points.get(point).and_then(|p| p.vertex);
-            let way = vertex.map_or(0.0, |v| heights.way(surface.positions[v as usize].x, 0.0));
-            if way > 0.25 * most { way } else { most }
+        let own = |side: usize| {
+            let vertex = points.get(middles[side])?.vertex?;
+            let index = vertices.binary_search_by_key(&vertex, |v| v.vertex).ok()?;
+            let going = vertices[index].going;
+            let x = surface.positions[vertex as usize].x;
+            let way = going.share * heights.way(x, going);
+            (going.side == side && way > LEAST_OWN * most).then_some(way)
         };
+        let gaps = [0, 1].map(|side| own(side).unwrap_or(most));
+        let least = gaps[0].min(gaps[1]);
         let mut lids = Self {
-            gaps: middles.map(gap),
+            gaps,
             closed: input.closed,
+            corrected: (ADAPTED[0] * input.closed / least).min(MOST_CORRECTED),
             carried: Vec::new(),
             between: Vec::new(),
             outside: Vec::new(),
@@ -398,19 +426,26 @@ impl EyeLids {
         }
     }
 
+    /// How much of what is added to close the eye wholly is added: none while lids go as their parameters say.
+    fn whole(&self, shares: [f32; 2]) -> f32 {
+        let closed = (shares[0] + shares[1] - self.corrected) / (1.0 - self.corrected);
+        let closed = closed.clamp(0.0, 1.0);
+        closed * closed
+    }
+
     /// How a vertex of a lid moves.
     fn motion(&self, lid: &LidVertex, positions: &[Vec3], shares: [f32; 2]) -> Vec3 {
         let place = positions[lid.vertex as usize];
         let way = self.way(lid.going, place, shares);
-        way + whole(shares) * lid.forward * Vec3::Z
+        way + self.whole(shares) * lid.more
     }
 
     /// The way of a place that goes with a lid, on a circle about the middle of the eye.
     fn way(&self, going: Going, place: Vec3, shares: [f32; 2]) -> Vec3 {
-        let Going { side, share, away } = going;
+        let Going { side, share, .. } = going;
         let down = [1.0, -1.0][side];
-        let way = shares[side] * self.heights.way(place.x, away);
-        let more = whole(shares) * self.heights.more(side, place.x);
+        let way = shares[side] * self.heights.way(place.x, going);
+        let more = self.whole(shares) * self.heights.more(side, place.x);
         let y = -down * share * (way + more);
         let from = place - self.shape.centre;
         let circle = (from.y * from.y + from.z * from.z).sqrt();
@@ -426,10 +461,31 @@ impl EyeLids {
     }
 }
 
-/// How much of what is added to close the eye wholly is added: none when a lid begins to move.
-fn whole(shares: [f32; 2]) -> f32 {
-    let closed = (shares[0] + shares[1]).clamp(0.0, 1.0);
-    closed * closed
+/// The least values above some that nowhere fall by more than `most` from one to the next.
+fn sloped(values: &[f32], most: f32) -> Vec<f32> {
+    let mut sloped = values.to_vec();
+    for i in 1..sloped.len() {
+        sloped[i] = sloped[i].max(sloped[i - 1] - most);
+    }
+    for i in (1..sloped.len()).rev() {
+        sloped[i - 1] = sloped[i - 1].max(sloped[i] - most);
+    }
+    sloped
+}
+
+/// Means over some steps on both sides, by smooth steps; beyond the ends is nothing.
+fn smoothed(values: &[f32], width: f32) -> Vec<f32> {
+    let width = width.max(2.0);
+    let reach = width.ceil() as isize;
+    let weights = (-reach..=reach).map(|j| smooth(1.0 - (j as f32 / width).abs()));
+    let weights: Vec<f32> = weights.collect();
+    let sum: f32 = weights.iter().sum();
+    let value = |i: isize| usize::try_from(i).ok().and_then(|i| values.get(i));
+    let at = |i: isize| {
+        let near = (-reach..=reach).map(|j| value(i + j).copied().unwrap_or(0.0));
+        near.zip(&weights).map(|(v, w)| v * w).sum::<f32>() / sum
+    };
+    (0..values.len() as isize).map(at).collect()
 }
 
 /// Distance from a rim, by height of the face, up to which a vertex is of it.
@@ -465,16 +521,19 @@ fn lid_vertices(
         if inside[v].is_finite() && away > 0.0 {
             share *= smooth(INSIDE * inside[v] / (inside[v] + away));
         }
-        (share > 0.0).then_some(LidVertex {
+        let row = input.vertices.binary_search(&vertex).ok();
+        let is_near = row.is_some() && away < far + AROUND_LID * input.height;
+        (share > 0.0 || is_near).then_some(LidVertex {
             vertex,
-            row: input.vertices.binary_search(&vertex).ok(),
+            row,
             going: Going {
                 side: usize::from(lower[v] < upper[v]),
                 share,
                 away: smooth(away / (AWAY * input.height)),
+                apart: smooth((upper[v] - lower[v]).abs() / (APART * input.height)),
             },
             is_rim: away < OF_RIM * input.height,
-            forward: 0.0,
+            more: Vec3::ZERO,
         })
     };
     all.into_iter().filter_map(lid).collect()
@@ -506,7 +565,7 @@ mod tests {
             row: Some(v),
             going: Going::of_rim(v / 9),
             is_rim: true,
-            forward: 0.0,
+            more: Vec3::ZERO,
         };
         EyeLids {
             shape: EyeShape::new(Vec3::ZERO, std::iter::once(Vec3::Z)),
@@ -514,11 +573,13 @@ mod tests {
                 low: -0.8,
                 step: 0.2,
                 ways: [ways.clone(), ways],
+                beyond: [vec![0.0; 9], vec![0.0; 9]],
                 more: [vec![0.0; 9], vec![0.0; 9]],
                 rims: heights,
             },
             gaps: [0.5; 2],
             closed: 0.5,
+            corrected: 0.2,
             carried: Vec::new(),
             between: Vec::new(),
             clear: [0.05, 0.1],
@@ -572,6 +633,16 @@ mod tests {
         // Beyond the corners nothing is open.
         let beyond = Vec3::new(0.9, 0.1, 0.5);
         assert_eq!(eye.way(Going::of_rim(0), beyond, [1.0, 0.0]).y, 0.0);
+    }
+
+    #[test]
+    fn the_way_of_a_lid_has_no_steps() {
+        // An opening that ends in steps of 3 and 2: they fall off by 1 at most, and nothing is less than it was.
+        let open = [0.0, 0.0, 3.0, 3.5, 2.0, 0.0, 0.0];
+        assert_eq!(sloped(&open, 1.0), [1.0, 2.0, 3.0, 3.5, 2.5, 1.5, 0.5]);
+        // A single step of height 4 over two steps on each side: smooth steps of 0, 1/2 and 1.
+        let spread = smoothed(&[0.0, 0.0, 4.0, 0.0, 0.0], 2.0);
+        assert_eq!(spread, [0.0, 1.0, 2.0, 1.0, 0.0]);
     }
 
     #[test]

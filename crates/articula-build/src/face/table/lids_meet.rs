@@ -1,5 +1,6 @@
 //! The last of the way: closed lids are looked at from the front, and moved until nothing of the eye is seen.
 
+use super::super::unfold::Folds;
 use super::lid_view::{EyeView, Look, NoLids};
 use super::lids::EyeLids;
 use glam::Vec3;
@@ -12,6 +13,8 @@ const BY_LOWER: usize = 5;
 const MEET: usize = 1;
 /// Cells up to which an opening that stays is no reason not to move the lids: 0.3 mm on an average face.
 const MOST: usize = 3;
+/// Cells that may be open after triangles that were turned over are smoothed.
+const UNFOLDED: usize = 2;
 /// Depth behind the surface of an eyeball up to which skin is not beside a gap, but has gone into it, by height
 /// of the face.
 const POKED: f32 = 0.02;
@@ -27,19 +30,24 @@ struct Left {
 }
 
 impl EyeLids {
-    /// Corrects the closed lids until they meet.
+    /// Corrects the closed lids until they meet; `joined` has the first vertex of the same place for each vertex.
     ///
     /// # Errors
     /// [`NoLids::Open`] if more stays open than one would see.
-    pub(super) fn close_fully(&mut self, view: &EyeView, positions: &[Vec3]) -> Result<(), NoLids> {
+    pub(super) fn close_fully(
+        &mut self,
+        view: &EyeView,
+        positions: &[Vec3],
+        joined: &[u32],
+    ) -> Result<(), NoLids> {
         let mut best = (usize::MAX, self.heights.more.clone(), self.vertices.clone());
         for look in 0..LOOKS {
             let left = self.left(view, positions);
-            let most = left.columns.iter().copied().max().unwrap_or(0);
-            if most < best.0 {
-                best = (most, self.heights.more.clone(), self.vertices.clone());
+            let open = most(&left);
+            if open < best.0 {
+                best = (open, self.heights.more.clone(), self.vertices.clone());
             }
-            if most <= MEET {
+            if open <= MEET {
                 break;
             }
             self.come_forward(view, &left);
@@ -52,17 +60,40 @@ impl EyeLids {
             );
         }
         (_, self.heights.more, self.vertices) = (0, best.1, best.2);
-        if best.0 <= MOST {
-            return Ok(());
+        if best.0 > MOST {
+            return Err(NoLids::Open(best.0 as f32 * self.heights.step));
         }
-        Err(NoLids::Open(best.0 as f32 * self.heights.step))
+        let folded = self.vertices.clone();
+        self.unfold(view, positions, joined);
+        if most(&self.left(view, positions)) > best.0.max(UNFOLDED) {
+            self.vertices = folded;
+        }
+        Ok(())
+    }
+
+    /// Smooths the closed lids where they turn triangles over.
+    fn unfold(&mut self, view: &EyeView, positions: &[Vec3], joined: &[u32]) {
+        let folds = Folds::of_triangles(positions.to_vec(), joined.to_vec(), &view.lids);
+        let closed = self.closed(positions);
+        let mut unfolded = closed.clone();
+        folds.unfold(&mut unfolded);
+        for lid in &mut self.vertices {
+            let v = lid.vertex as usize;
+            lid.more += unfolded[v] - closed[v];
+        }
+    }
+
+    /// How the lids move to close the eye.
+    fn closed(&self, positions: &[Vec3]) -> Vec<Vec3> {
+        let mut moved = vec![Vec3::ZERO; positions.len()];
+        self.move_lids([1.0, 0.0], positions, &mut moved);
+        self.push_out(positions, &mut moved);
+        moved
     }
 
     /// What the closed lids leave open.
     fn left(&self, view: &EyeView, positions: &[Vec3]) -> Left {
-        let mut moved = vec![Vec3::ZERO; positions.len()];
-        self.move_lids([1.0, 0.0], positions, &mut moved);
-        self.push_out(positions, &mut moved);
+        let moved = self.closed(positions);
         let at = |v: u32| positions[v as usize] + moved[v as usize];
         let look = view.look(&at);
         Left {
@@ -76,7 +107,7 @@ impl EyeLids {
         for (triangle, depth) in &left.poked {
             for vertex in view.lids[*triangle] {
                 if let Ok(index) = self.vertices.binary_search_by_key(&vertex, |v| v.vertex) {
-                    let forward = &mut self.vertices[index].forward;
+                    let forward = &mut self.vertices[index].more.z;
                     *forward = forward.max(depth + CLEAR * view.height);
                 }
             }
@@ -120,6 +151,11 @@ impl EyeLids {
             *more += values[after - 1] + t * (values[after] - values[after - 1]);
         }
     }
+}
+
+/// The most open cells above each other.
+fn most(left: &Left) -> usize {
+    left.columns.iter().copied().max().unwrap_or(0)
 }
 
 /// The most open cells above each other, in each column.
