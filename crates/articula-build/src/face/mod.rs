@@ -11,6 +11,7 @@
 //! - `points`: the feature points of a face on its mesh
 //! - `mouth`: how the lower face of any head moves with blend shapes, measured on heads that have them
 //! - `table`: how the vertices move with each parameter, from the feature points alone
+//! - `unfold`: displacements that turn no triangle over
 //! - `dense`: dense systems of linear equations
 //! - `field_fit`: displacements as sums of others, by least squares
 //! - `fields`: how far the controls of a face move its vertices
@@ -33,6 +34,7 @@ mod names;
 mod opposed;
 mod points;
 mod table;
+mod unfold;
 
 pub use bridge::{FaceBridge, FaceSolver, ShownFace};
 pub use controls::{
@@ -47,4 +49,4 @@ pub use intervals::FapInterval;
 pub use mouth::{BrokenMotions, MouthChart, MouthMotions};
 pub use names::{ChosenControl, FaceCandidate, NamedControl, choose_controls, face_control};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
-pub use table::{EyeShape, FaceTable, normal_offsets};
+pub use table::{EyeShape, FaceTable, NoLids, normal_offsets, without_lids};

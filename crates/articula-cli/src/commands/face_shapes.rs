@@ -79,6 +79,14 @@ pub(crate) fn text(shapes: &FaceShapes) -> String {
             shapes.not_made.join(", ")
         ));
     }
+    for refused in shapes.refused.chunk_by(|a, b| a.why == b.why) {
+        let names: Vec<&str> = refused.iter().map(|r| r.shape).collect();
+        text.push_str(&format!(
+            "  not made: {}: {}\n",
+            names.join(", "),
+            refused[0].why
+        ));
+    }
     text + &doubt(&shapes.doubtful)
 }
 

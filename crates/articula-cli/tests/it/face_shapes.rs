@@ -1,6 +1,6 @@
 //! `convert --face-shapes`: a face without morph targets gets the blend shapes of ARKit.
 
-use crate::program::{edited, fault, folder, json, word};
+use crate::program::{articula, edited, fault, folder, json, word};
 use crate::real;
 use articula::core::source::{Channel, Character, Property, RawMesh, evaluate};
 use glam::Vec3;
@@ -163,6 +163,45 @@ fn a_face_clip_goes_onto_a_face_without_shapes() {
     );
     let said = fault(&here, 1, &["convert", "a.glb", "c.glb", "--face-shapes"]);
     assert!(said.contains("has morph targets"), "{said}");
+}
+
+#[test]
+fn a_head_whose_lids_do_not_close_tells_why() {
+    // Its eyes are pieces on the skin, without lids around them.
+    let Some(suit) = real::file("glb/Quaternius_modular_men__Suit.glb") else {
+        return;
+    };
+    let here = folder("face-shapes-refused");
+    let words = ["convert", word(&suit), "a.glb", "--face-shapes"];
+    let report = json(&here, &words);
+    let refused = report["face_shapes"]["refused"].as_array().unwrap();
+    let of = |key: &'static str| refused.iter().map(move |r| r[key].as_str().unwrap());
+    let lids = ["eyeBlink", "eyeSquint", "eyeWide"];
+    let mut expected: Vec<String> = ["Left", "Right"]
+        .iter()
+        .flat_map(|side| lids.map(|lids| format!("{lids}{side}")))
+        .collect();
+    let mut shapes: Vec<&str> = of("shape").collect();
+    expected.sort();
+    shapes.sort_unstable();
+    assert_eq!(shapes, expected);
+    // They are neither made nor lost among what nothing shows.
+    let made = character(&here.join("a.glb"));
+    let names = made.meshes.iter().flat_map(|m| &m.morph_names);
+    let names: Vec<&String> = names.collect();
+    assert!(names.iter().any(|n| *n == "jawOpen") && !names.iter().any(|n| expected.contains(n)));
+    let not_made = &report["face_shapes"]["not_made"];
+    assert!(expected.iter().all(|e| !not_made.to_string().contains(e)));
+    // People read the reason in both reports, and it is the same.
+    let told = articula(&here, &[&words[..], &["--force"]].concat()).out;
+    let inspected = articula(&here, &["inspect", word(&suit), "--face"]).out;
+    for why in of("why") {
+        assert!(why.contains("lid"), "{why}");
+        assert!(told.contains(&format!(": {why}")), "{told}");
+        assert!(inspected.contains(&format!(": {why}")), "{inspected}");
+    }
+    let told = told.lines().find(|l| l.contains("not made")).unwrap();
+    assert!(told.contains("eyeBlinkLeft"), "{told}");
 }
 
 /// Displacements of all vertices by the first clip.

@@ -80,7 +80,7 @@ pub use points::{FaceLayout, FaceUnit, FeaturePoint, face_layout};
 pub(crate) use region::face_vertices;
 pub use rig::{CaptureBridge, FaceColumns, FaceRig, GENERIC_BRIDGE};
 pub use shapes::{
-    FaceShapes, FaceTableTargets, add_face_shapes, add_face_shapes_by, add_face_table,
+    FaceShapes, FaceTableTargets, RefusedShape, add_face_shapes, add_face_shapes_by, add_face_table,
 };
 pub use surface::HeadSurface;
 #[cfg(feature = "flat")]

@@ -3,6 +3,7 @@
 use super::found::FoundFace;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
+use articula_build::face::without_lids;
 use articula_core::feature_points::{FEATURE_POINTS, PointId};
 use glam::Vec3;
 use serde::Serialize;
@@ -18,6 +19,9 @@ pub struct FaceLayout {
     pub points: Vec<FeaturePoint>,
     /// Points at which the geometry misled: they follow the template.
     pub dropped: Vec<String>,
+    /// Why the lids of the left and of the right eye are not moved by parameters and made blend shapes; null where they
+    /// are.
+    pub without_lids: [Option<String>; 2],
     /// Places that the geometry shows, in model space; for measuring the search.
     #[serde(skip)]
     pub seen: Vec<(PointId, [f32; 3])>,
@@ -89,6 +93,7 @@ pub fn face_layout(figure: &Figure, given: &[(PointId, Vec3)]) -> Result<FaceLay
             })
             .collect(),
         points: points.collect(),
+        without_lids: without_lids(&head.surface, found).map(|why| Some(why?.to_string())),
         dropped: found.dropped.iter().map(|p| named(*p)).collect(),
         seen: found
             .seen

@@ -8,7 +8,9 @@ use super::targets::{Existing, add_targets};
 use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
-use articula_build::face::{FapInterval, FapValues, MouthChart, MouthMotions, blend_shape};
+use articula_build::face::{
+    FaceTable, FapInterval, FapValues, MouthChart, MouthMotions, blend_shape,
+};
 use articula_core::arkit_table::BLEND_SHAPES;
 use articula_core::face_control::FaceControl;
 use articula_core::fap_table::LOW_FAPS;
@@ -22,6 +24,18 @@ const PUFF: f32 = 0.25;
 /// The same of brows, whose values are 13 to 17 mm; those of faces go by 5 to 9 mm.
 const BROWS: f32 = 0.45;
 
+/// Shares of the opening by which the upper lid goes down and the lower one up, of shapes of the eyes: the mean of what
+/// the own shapes of ICT-FaceKit and of the woman of MakeHuman show. Lids follow the gaze.
+const LIDS: [(&str, [f32; 2]); 5] = [
+    ("eyeBlink", [1.0, 0.0]),
+    ("eyeLookDown", [0.5, -0.1]),
+    ("eyeLookUp", [-0.23, 0.19]),
+    ("eyeSquint", [0.0, 0.25]),
+    ("eyeWide", [-0.35, 0.0]),
+];
+/// Those of them that move nothing but lids.
+const LIDS_ALONE: [&str; 3] = ["eyeBlink", "eyeSquint", "eyeWide"];
+
 /// Blend shapes that were made for a face.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FaceShapes {
@@ -29,10 +43,21 @@ pub struct FaceShapes {
     pub made: Vec<&'static str>,
     /// Names of those that nothing of the face shows.
     pub not_made: Vec<&'static str>,
+    /// Those that would be shown wrongly, and why.
+    pub refused: Vec<RefusedShape>,
     /// Number of vertices that any of them moves.
     pub vertices: usize,
     /// Units of the face that may be wrong.
     pub doubtful: Vec<String>,
+}
+
+/// A blend shape that is not made, as it would be shown wrongly.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RefusedShape {
+    /// Its name in ARKit.
+    pub shape: &'static str,
+    /// Why it is not made.
+    pub why: String,
 }
 
 /// A face animation table that was made for a face.
@@ -102,8 +127,13 @@ fn made_shapes(
     let chart = MouthChart::new(&face.head.surface, &face.points);
     let measured = |name: &str| motions.displacements(name, chart.as_ref()?, &table);
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
-    let (mut made, mut not_made) = (Vec::new(), Vec::new());
+    let (mut made, mut not_made, mut refused) = (Vec::new(), Vec::new(), Vec::new());
     for shape in &BLEND_SHAPES {
+        if let Some(why) = without_lids(&table, shape.name) {
+            let shape = shape.name;
+            refused.push(RefusedShape { shape, why });
+            continue;
+        }
         let offsets =
             measured(shape.name).unwrap_or_else(|| table.displacements(&parameters(shape.name)));
         if offsets.iter().all(|o| *o == Vec3::ZERO) {
@@ -122,13 +152,28 @@ fn made_shapes(
         vertices: add_targets(opened, (&around.head, &vertices), &shapes, existing)?,
         made,
         not_made,
+        refused,
         doubtful: face.doubtful(),
     })
+}
+
+/// Why the lids that a blend shape moves are not moved.
+fn without_lids(table: &FaceTable, shape: &str) -> Option<String> {
+    if !LIDS_ALONE.iter().any(|lids| shape.starts_with(lids)) {
+        return None;
+    }
+    let why = table.without_lids(usize::from(shape.ends_with("Right")))?;
+    Some(why.to_string())
 }
 
 /// The parameters that a blend shape is made by where no head showed it.
 fn parameters(shape: &str) -> FapValues {
     let mut values = blend_shape(shape).unwrap_or_default();
+    if let Some((_, [down, up])) = LIDS.iter().find(|(lids, _)| shape.starts_with(lids)) {
+        let side = usize::from(shape.ends_with("Right"));
+        values.set(19 + side, 1024.0 * down);
+        values.set(21 + side, 1024.0 * up);
+    }
     let share = match shape {
         "cheekPuff" => PUFF,
         _ if shape.starts_with("brow") => BROWS,

@@ -6,9 +6,9 @@
 
 use super::super::points::{FacePoints, FaceSurface, template_place, to_template};
 use super::super::table::{Mirror, SurfaceGraph, sheet, smooth};
+use super::super::unfold::Folds;
 use super::depths::Depths;
 use super::laid_on::laid_on;
-use super::unfold::Folds;
 use articula_core::Libm;
 use articula_core::feature_points::PointId;
 use glam::{Vec2, Vec3};

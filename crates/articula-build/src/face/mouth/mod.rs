@@ -6,7 +6,6 @@
 //! - `motion`: the motion of one blend shape over the chart
 //! - `measure`: the motion that a head shows
 //! - `motions`: the motions of all blend shapes, and their file
-//! - `unfold`: displacements that turn no triangle over
 //!
 //! Method and sources: `docs/methods/faces.md`.
 
@@ -16,7 +15,6 @@ mod laid_on;
 mod measure;
 mod motion;
 mod motions;
-mod unfold;
 
 pub use chart::MouthChart;
 pub use motions::{BrokenMotions, MouthMotions};

@@ -1,7 +1,8 @@
 //! Feature points that the geometry of a face shows by itself: nose, lips, chin and eyes.
 
-use super::eyes::{Eyeball, eyeballs, opening};
+use super::eyes::{EyeOpening, Eyeball, eyeballs, opening};
 use super::profile::Profile;
+use super::sockets::{Socket, sockets};
 use super::surface::{FaceSurface, SurfacePart};
 use articula_core::feature_points::PointId;
 use glam::Vec3;
@@ -28,6 +29,12 @@ const LIP: f32 = 0.03;
 const BRIDGED: usize = 12;
 /// Depth behind the lips from which the mouth counts as open.
 const OPEN: f32 = 0.05;
+
+/// Pupil, upper and lower rim, and the corners towards +X and -X, of the left and the right eye.
+const EYES: [[PointId; 5]; 2] = [
+    [(3, 5), (3, 1), (3, 3), (3, 7), (3, 11)],
+    [(3, 6), (3, 2), (3, 4), (3, 8), (3, 12)],
+];
 
 /// What was found, and the sizes that scale further searches.
 #[derive(Debug, Clone)]
@@ -84,7 +91,11 @@ impl Anchors {
         found.eyes(surface, parts, skull / STEPS);
         if found.eyeballs.is_none() {
             found.eye_centres = surface.eyes;
-            found.lids(surface);
+            let seen = sockets(surface, part, nose, middle_x, skull, skull / STEPS);
+            match seen {
+                Some(seen) => found.openings(&seen),
+                None => found.lids(surface),
+            }
         }
         found.mouth(surface, part, skull);
         Some(found)
@@ -94,24 +105,31 @@ impl Anchors {
         let Some(balls) = self.eyeballs else {
             return;
         };
-        let ids: [[PointId; 5]; 2] = [
-            [(3, 5), (3, 1), (3, 3), (3, 7), (3, 11)],
-            [(3, 6), (3, 2), (3, 4), (3, 8), (3, 12)],
-        ];
-        for (ball, [pupil, top, bottom, left, right]) in balls.iter().zip(ids) {
+        for (ball, [pupil, rims @ ..]) in balls.iter().zip(EYES) {
             let front = ball.centre + Vec3::Z * ball.radius;
             self.points.push((pupil, front));
             let skin = &parts[self.skin];
-            let Some(seen) = opening(surface, skin, &parts[ball.part], ball, step) else {
-                continue;
-            };
-            self.points.extend([
-                (top, seen.top),
-                (bottom, seen.bottom),
-                (left, seen.left),
-                (right, seen.right),
-            ]);
+            if let Some(seen) = opening(surface, skin, &parts[ball.part], ball, step) {
+                self.rims(rims, &seen);
+            }
         }
+    }
+
+    /// Openings of the lids without eyeballs.
+    fn openings(&mut self, seen: &[Socket; 2]) {
+        for (seen, [pupil, rims @ ..]) in seen.iter().zip(EYES) {
+            self.points.push((pupil, seen.pupil));
+            self.rims(rims, &seen.opening);
+        }
+    }
+
+    fn rims(&mut self, [top, bottom, left, right]: [PointId; 4], seen: &EyeOpening) {
+        self.points.extend([
+            (top, seen.top),
+            (bottom, seen.bottom),
+            (left, seen.left),
+            (right, seen.right),
+        ]);
     }
 
     /// Rims of the lids, by where blinking moves the upper ones most, and where they stop.

@@ -1,7 +1,8 @@
 //! Eyeballs, and the openings of the lids in front of them.
 
+use super::front::{FrontGrid, FrontView, regions};
 use super::surface::{FaceSurface, SurfacePart};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// Greatest root mean square distance of an eyeball's vertices from its sphere, as a fraction of the
 /// radius.
@@ -25,6 +26,11 @@ pub(super) struct Eyeball {
 }
 
 impl Eyeball {
+    /// Whether a triangle is of a layer on the ball.
+    pub(super) fn is_layer(&self, corners: &[Vec3; 3]) -> bool {
+        is_on_ball(corners, self.centre, self.radius)
+    }
+
     /// Whether a part is a layer around the eyeball, front and back, as a cornea in one piece with the
     /// white of the eye; a shell between the lids is in front only.
     pub(super) fn has(&self, part: &SurfacePart, positions: &[Vec3]) -> bool {
@@ -33,6 +39,12 @@ impl Eyeball {
         places.clone().any(is_behind)
             && places.all(|p| AROUND.contains(&(p.distance(self.centre) / self.radius)))
     }
+}
+
+/// Whether the corners of a triangle are so near to a ball that it is a layer on it.
+pub(in crate::face) fn is_on_ball(corners: &[Vec3; 3], centre: Vec3, radius: f32) -> bool {
+    let near = |p: &Vec3| (p.distance(centre) / radius - 1.0).abs() < LAYER;
+    corners.iter().all(near)
 }
 
 /// What is seen of an eyeball from the front.
@@ -129,37 +141,18 @@ pub(super) fn opening(
     step: f32,
 ) -> Option<EyeOpening> {
     // Even around the centre, so that mirrored eyes have mirrored cells.
-    let half = (1.3 * ball.radius / step).ceil();
-    let low = Vec2::new(ball.centre.x, ball.centre.y) - half * step;
-    let count = 2 * half as usize + 1;
-    let is_layer = |corners: &[Vec3; 3]| {
-        let far = |p: &Vec3| (p.distance(ball.centre) / ball.radius - 1.0).abs() < LAYER;
-        corners.iter().all(far)
-    };
+    let grid = FrontGrid::around(ball.centre.truncate(), 1.3 * ball.radius, step);
+    let count = grid.count;
     let front = |part: &SurfacePart, layers: bool| {
-        let mut depths = vec![f32::NEG_INFINITY; count * count];
-        for triangle in &part.triangles {
-            let corners = surface.corners(triangle);
-            if !layers && is_layer(&corners) {
-                continue;
-            }
-            raster(corners, low, step, count, |cell, z| {
-                if z > ball.centre.z {
-                    depths[cell] = depths[cell].max(z);
-                }
-            });
-        }
-        depths
+        let triangles = part.triangles.iter().map(|t| surface.corners(t));
+        let drawn = triangles.filter(|corners| layers || !ball.is_layer(corners));
+        FrontView::of(grid, drawn, ball.centre.z).depths
     };
     let skin = front(skin, false);
     let seen_ball = front(balls, true);
     let is_open: Vec<bool> = skin.iter().zip(&seen_ball).map(|(s, b)| b > s).collect();
-    let region = largest_region(&is_open, count)?;
-    let place = |cell: usize| {
-        let (column, row) = (cell % count, cell / count);
-        let at = low + step * Vec2::new(column as f32, row as f32);
-        Vec3::new(at.x, at.y, seen_ball[cell])
-    };
+    let region = regions(&is_open, count).into_iter().next()?;
+    let place = |cell: usize| grid.place(cell).extend(seen_ball[cell]);
     let in_column = |column: usize| region.iter().copied().filter(move |c| c % count == column);
     // A column has several cells at a corner; the corner is their middle.
     let corner = |column: usize| {
@@ -167,90 +160,13 @@ pub(super) fn opening(
         places.sum::<Vec3>() / in_column(column).count() as f32
     };
     let columns = || region.iter().map(|cell| cell % count);
-    let middle = || in_column(half as usize);
+    let middle = || in_column(count / 2);
     Some(EyeOpening {
         left: corner(columns().max()?),
         right: corner(columns().min()?),
         top: place(middle().max()?),
         bottom: place(middle().min()?),
     })
-}
-
-/// Calls `draw` with the index and the depth of each cell of a grid whose centre is inside a
-/// triangle seen along -Z.
-fn raster(
-    corners: [Vec3; 3],
-    low: Vec2,
-    step: f32,
-    count: usize,
-    mut draw: impl FnMut(usize, f32),
-) {
-    let [a, b, c] = corners;
-    let flat = |p: Vec3| (p.truncate() - low) / step;
-    let [fa, fb, fc] = [flat(a), flat(b), flat(c)];
-    let area = (fb - fa).perp_dot(fc - fa);
-    if area.abs() < 1e-9 {
-        return;
-    }
-    let least = fa.min(fb).min(fc).ceil().max(Vec2::ZERO);
-    let most = fa
-        .max(fb)
-        .max(fc)
-        .floor()
-        .min(Vec2::splat(count as f32 - 1.0));
-    let (mut y, mut x);
-    y = least.y;
-    while y <= most.y {
-        x = least.x;
-        while x <= most.x {
-            let p = Vec2::new(x, y);
-            let wb = (p - fa).perp_dot(fc - fa) / area;
-            let wc = (fb - fa).perp_dot(p - fa) / area;
-            if wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0 {
-                draw(
-                    y as usize * count + x as usize,
-                    a.z + wb * (b.z - a.z) + wc * (c.z - a.z),
-                );
-            }
-            x += 1.0;
-        }
-        y += 1.0;
-    }
-}
-
-/// Cells of the largest connected region of a square grid.
-fn largest_region(is_open: &[bool], count: usize) -> Option<Vec<usize>> {
-    let mut seen = vec![false; is_open.len()];
-    let mut best: Vec<usize> = Vec::new();
-    for start in 0..is_open.len() {
-        if !is_open[start] || seen[start] {
-            continue;
-        }
-        let mut region = vec![start];
-        seen[start] = true;
-        let mut next = 0;
-        while next < region.len() {
-            let cell = region[next];
-            next += 1;
-            let (column, row) = (cell % count, cell / count);
-            let beside = [
-                (column > 0).then(|| cell - 1),
-                (column + 1 < count).then(|| cell + 1),
-                (row > 0).then(|| cell - count),
-                (row + 1 < count).then(|| cell + count),
-            ];
-            for other in beside.into_iter().flatten() {
-                if is_open[other] && !seen[other] {
-                    seen[other] = true;
-                    region.push(other);
-                }
-            }
-        }
-        if region.len() > best.len() {
-            best = region;
-        }
-    }
-    (!best.is_empty()).then_some(best)
 }
 
 #[cfg(test)]

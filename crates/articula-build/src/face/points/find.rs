@@ -6,6 +6,7 @@ use super::template::{EYE_CENTRES, FOUND, POINTS, WIDTHS, face_height, of, templ
 use super::units::FaceUnits;
 use super::warp::Warp;
 use articula_core::feature_points::{FEATURE_POINTS, PointId, feature_point_index};
+use articula_core::triangle_distance_squared;
 use glam::Vec3;
 use thiserror::Error;
 
@@ -199,14 +200,18 @@ impl FacePoints {
                 None if shown().any(|(p, _)| *p == point) => PointSource::Shapes,
                 None => PointSource::Template,
             };
+            let vertex = (!is_inside(point))
+                .then(|| snap.vertex(point, place))
+                .flatten();
+            let away = vertex.map_or(0.0, |v| snap.away(v, place));
+            let is_blind = point.0 == 3 && source == PointSource::Template && !has_eyes;
+            let unseen = if is_blind { UNSEEN_EYE } else { 1.0 };
             Some(FacePoint {
                 point,
                 place,
-                vertex: (!is_inside(point))
-                    .then(|| snap.vertex(point, place))
-                    .flatten(),
+                vertex,
                 source,
-                confidence: confidence(point, source),
+                confidence: unseen * on_skin(away / height) * confidence(point, source),
             })
         });
         let points = points.collect();
@@ -309,6 +314,18 @@ fn confidence(point: PointId, source: PointSource) -> f32 {
     }
 }
 
+/// Factor to the confidence of points of an eye of which nothing is seen.
+const UNSEEN_EYE: f32 = 0.5;
+/// Distance from the skin, by height of the face, up to which a place may be as sure as its kind: it is that within
+/// which the points of test heads count as found.
+const ON_SKIN: f32 = 0.03;
+
+/// Factor to the confidence of a point whose place is this far from the skin, by height of the face: it cannot be right
+/// there.
+fn on_skin(away: f32) -> f32 {
+    (ON_SKIN / away.max(ON_SKIN)).powi(2)
+}
+
 /// Search of the vertex that stands for a place.
 pub(in crate::face) struct Snap<'a> {
     surface: &'a FaceSurface,
@@ -338,6 +355,17 @@ impl<'a> Snap<'a> {
         }
     }
 
+    /// Distance of a place from the skin, but at most that from a vertex of it; vertices of a coarse skin are far apart.
+    fn away(&self, vertex: u32, place: Vec3) -> f32 {
+        let near = self.surface.positions[vertex as usize].distance(place);
+        if near <= ON_SKIN * self.height {
+            return near;
+        }
+        let triangles = self.parts.skin.iter().map(|t| self.surface.corners(t));
+        let squares = triangles.map(|corners| triangle_distance_squared(place, corners));
+        squares.fold(near * near, f32::min).sqrt()
+    }
+
     /// The nearest vertex; for the rims of lips and lids, one that faces the opening.
     pub(in crate::face) fn vertex(&self, point: PointId, place: Vec3) -> Option<u32> {
         // Towards which side the rim faces: upper ones down.
@@ -354,5 +382,17 @@ impl<'a> Snap<'a> {
         };
         let vertices = self.parts.skin_vertices.iter().copied();
         vertices.min_by(|a, b| cost(a).total_cmp(&cost(b)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_far_from_the_skin_is_not_sure() {
+        // Up to 3 % of the height of the face as sure as its kind, at 12 % a sixteenth of that.
+        assert_eq!([0.0, 0.02, 0.03].map(on_skin), [1.0; 3]);
+        assert!((on_skin(0.12) - 1.0 / 16.0).abs() < 1e-6);
     }
 }

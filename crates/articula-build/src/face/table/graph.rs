@@ -79,17 +79,29 @@ impl SurfaceGraph {
         nearest.map(|(distance, _)| distance).collect()
     }
 
+    /// The same to the nearest of some places beside the vertices, each given by a vertex and the distance from it.
+    pub(super) fn distances_beyond(&self, from: impl Iterator<Item = (u32, f32)>) -> Vec<f32> {
+        let starts = from.map(|(vertex, away)| (vertex, away, 0));
+        let nearest = self.nearest_of(starts).into_iter();
+        nearest.map(|(distance, _)| distance).collect()
+    }
+
     /// Shortest distance of each vertex to the nearest of some, and this one, as its index among them;
     /// infinite where no path leads.
     pub(super) fn nearest(&self, from: &[u32]) -> Vec<(f32, usize)> {
+        let starts = from.iter().enumerate();
+        self.nearest_of(starts.map(|(index, vertex)| (*vertex, 0.0, index)))
+    }
+
+    fn nearest_of(&self, from: impl Iterator<Item = (u32, f32, usize)>) -> Vec<(f32, usize)> {
         let mut found = vec![(f32::INFINITY, 0); self.first.len() - 1];
         // Lengths are not negative, so that their bits are in their order.
         let mut open: BinaryHeap<Reverse<(u32, u32)>> = BinaryHeap::new();
-        for (index, vertex) in from.iter().enumerate() {
-            let vertex = self.joined[*vertex as usize];
-            if found[vertex as usize].0 > 0.0 {
-                found[vertex as usize] = (0.0, index);
-                open.push(Reverse((0, vertex)));
+        for (vertex, away, index) in from {
+            let vertex = self.joined[vertex as usize];
+            if away < found[vertex as usize].0 {
+                found[vertex as usize] = (away, index);
+                open.push(Reverse((away.to_bits(), vertex)));
             }
         }
         while let Some(Reverse((bits, vertex))) = open.pop() {

@@ -9,6 +9,9 @@
 //! - `weights`: how much each vertex follows each handle
 //! - `jaw`: how the lower jaw goes with the chin
 //! - `lids`: rims that meet, in front of the eyeballs
+//! - `lid_view`: what is seen of an eye between them
+//! - `lid_parts`: lids that are parts of their own
+//! - `lids_meet`: the last of the way of closed lids
 //! - `mirror`: vertices at mirrored places
 //! - `others`: what is inside of the mouth, and what is attached to the skin
 //! - `normals`: how normals change with the vertices
@@ -22,7 +25,10 @@ mod eyeballs;
 mod graph;
 mod handles;
 mod jaw;
+mod lid_parts;
+mod lid_view;
 mod lids;
+mod lids_meet;
 mod mirror;
 mod normals;
 mod others;
@@ -51,6 +57,7 @@ pub(super) use mirror::Mirror;
 pub(super) use weights::sheet;
 
 pub use eye_shape::EyeShape;
+pub use lid_view::NoLids;
 pub use normals::normal_offsets;
 
 /// Number of resting places that pin the skin around the face.
@@ -73,8 +80,8 @@ pub struct FaceTable {
     tongue: Option<Tongue>,
     /// The left and the right eyeball.
     eyeballs: Option<[Eyeball; 2]>,
-    /// The lids of both eyes, where their rims are found.
-    lids: [Option<EyeLids>; 2],
+    /// The lids of both eyes, and why there are none.
+    lids: [Result<EyeLids, NoLids>; 2],
     /// Vertex of the bottom of the chin.
     chin: Option<u32>,
     positions: Vec<Vec3>,
@@ -90,11 +97,7 @@ impl FaceTable {
         let height = points.height();
         let place = |point: PointId| points.get(point).map(|p| p.place);
         let at = |v: u32| surface.positions[v as usize];
-        let eyes = match &parts.eyeballs {
-            Some(eyes) => [eyes[0].1, eyes[1].1],
-            // Without eyeballs their centres are behind the pupils.
-            None => [place((3, 5))?, place((3, 6))?].map(|p| p - 0.09 * height * Vec3::Z),
-        };
+        let eyes = eye_centres(points)?;
         let snap = Snap::new(surface, parts, height);
         let rim = |lid: PointId, near: Vec3| snap.vertex(lid, near);
         let handles = handles(points, rim, at);
@@ -108,7 +111,6 @@ impl FaceTable {
                 lobe.y + 0.25 * (top.y - lobe.y),
                 0.5 * (left.z + right.z),
             ),
-            eyes,
         };
         let mirror = Mirror::of(&surface.positions, &parts.joined, place((9, 3))?.x);
         let graph = SurfaceGraph::of(&surface.positions, &parts.joined, &parts.skin, &mirror);
@@ -137,8 +139,6 @@ impl FaceTable {
         let lids = EyeLids::of(&LidInput {
             surface,
             points,
-            handles: &handles,
-            graph: &graph,
             mirror: &mirror,
             vertices: &vertices,
             followers: &followers,
@@ -168,6 +168,7 @@ impl FaceTable {
     /// Returns whether the table shows a parameter, by its number.
     pub fn moves(&self, fap: usize) -> bool {
         match fap {
+            19..=22 => self.lids[(fap - 19) % 2].is_ok(),
             23..=30 => self.eyeballs.is_some(),
             43..=47 => self.tongue.is_some(),
             48..=50 => false,
@@ -180,22 +181,18 @@ impl FaceTable {
 
     /// Returns the displacement of each vertex of the surface by parameters, metres.
     pub fn displacements(&self, values: &FapValues) -> Vec<Vec3> {
-        let (values, closing) = self.lids_that_meet(values);
-        let values = &values;
+        let closing = self.closing(values);
         let motion = self.frame.motion(values, &self.handles);
         let mut rows: Vec<Vec3> = (0..self.vertices.len())
             .map(|row| self.followed(row, &motion))
             .collect();
-        for (eye, shares) in self.lids.iter().zip(closing) {
-            let Some(eye) = eye else { continue };
-            eye.close(shares, |row| self.followed_lids(row, &motion), &mut rows);
+        for (eye, shares) in self.closed_lids(&closing) {
+            eye.close(shares, &self.positions, &mut rows);
         }
         let mut all = self.spread(&rows);
-        for (eye, shares) in self.lids.iter().zip(closing) {
-            if let Some(eye) = eye.as_ref().filter(|_| shares != [0.0; 2]) {
-                eye.move_others(shares, &self.positions, &mut all);
-                eye.push_out(&self.positions, &mut all);
-            }
+        for (eye, shares) in self.closed_lids(&closing) {
+            eye.move_others(shares, &self.positions, &mut all);
+            eye.push_out(&self.positions, &mut all);
         }
         let turn = self.frame.jaw_radians(values);
         let jaw = Quat::libm_rotation_x(turn);
@@ -227,10 +224,16 @@ impl FaceTable {
         self.spread(&rows.collect::<Vec<_>>())
     }
 
-    /// The left and the right eye, where the rims of the lids are found; without eyeballs, the largest
-    /// balls behind the rims.
+    /// The left and the right eye, where lids are found; without eyeballs, the largest balls behind the rims.
     pub fn eyes(&self) -> [Option<&EyeShape>; 2] {
-        self.lids.each_ref().map(|l| Some(&l.as_ref()?.shape))
+        self.lids
+            .each_ref()
+            .map(|lids| lids.as_ref().ok().map(|l| &l.shape))
+    }
+
+    /// Returns why the lids of the left (0) or the right (1) eye are not moved; `None` where they are.
+    pub fn without_lids(&self, eye: usize) -> Option<NoLids> {
+        self.lids[eye].as_ref().err().copied()
     }
 
     /// Returns the values that move the feature points as displacements of all vertices say.
@@ -257,22 +260,21 @@ impl FaceTable {
         values
     }
 
-    /// The parameters with lids that stop where they meet, and the shares by which the upper and the
-    /// lower lid of each eye close it.
-    fn lids_that_meet(&self, values: &FapValues) -> (FapValues, [[f32; 2]; 2]) {
-        let mut values = *values;
-        let mut closing = [[0.0; 2]; 2];
+    /// The shares by which the upper and the lower lid of each eye close it.
+    fn closing(&self, values: &FapValues) -> [[f32; 2]; 2] {
         let unit = self.frame.units.iris_diameter / 1024.0;
-        for (side, lids) in self.lids.iter().enumerate() {
-            let Some(lids) = lids else { continue };
-            let faps = [19 + side, 21 + side];
-            let [down, up] = faps.map(|fap| values.get(fap) * unit);
-            closing[side] = lids.closing(down, up);
-            for (fap, way) in faps.into_iter().zip(lids.middles(closing[side])) {
-                values.set(fap, way / unit);
-            }
-        }
-        (values, closing)
+        [0, 1].map(|side: usize| {
+            let [down, up] = [19 + side, 21 + side].map(|fap| values.get(fap) * unit);
+            let lids = self.lids[side].as_ref();
+            lids.map_or([0.0; 2], |lids| lids.closing(down, up))
+        })
+    }
+
+    /// The lids that move.
+    fn closed_lids(&self, closing: &[[f32; 2]; 2]) -> impl Iterator<Item = (&EyeLids, [f32; 2])> {
+        let lids = self.lids.iter().zip(*closing);
+        let moved = lids.filter(|(_, shares)| *shares != [0.0; 2]);
+        moved.filter_map(|(lids, shares)| Some((lids.as_ref().ok()?, shares)))
     }
 
     /// Displacement of a row of the skin by the motion of the handles.
@@ -280,14 +282,6 @@ impl FaceTable {
         let weights = &self.weights[row * motion.len()..(row + 1) * motion.len()];
         let all = weights.iter().zip(motion);
         all.map(|(w, m)| *w * *m).sum()
-    }
-
-    /// The part of it that the handles of lids make.
-    fn followed_lids(&self, row: usize, motion: &[Vec3]) -> Vec3 {
-        let weights = &self.weights[row * motion.len()..(row + 1) * motion.len()];
-        let all = weights.iter().zip(motion).zip(&self.handles);
-        let of_lids = all.filter(|(_, handle)| handle.what.lid().is_some());
-        of_lids.map(|((w, m), _)| *w * *m).sum()
     }
 
     /// Displacements of all vertices from those of the skin, by row, and of what follows it.
@@ -301,6 +295,35 @@ impl FaceTable {
         }
         all
     }
+}
+
+/// Returns why the lids of the left and of the right eye of a face are not moved by parameters; `None` where they are.
+/// As long as a table takes, but for its weights.
+pub fn without_lids(surface: &FaceSurface, points: &FacePoints) -> [Option<NoLids>; 2] {
+    let (Some(centres), Some(nose)) = (eye_centres(points), points.get((9, 3))) else {
+        return [Some(NoLids::NoOpening); 2];
+    };
+    let lids = EyeLids::of(&LidInput {
+        surface,
+        points,
+        mirror: &Mirror::of(&surface.positions, &points.parts.joined, nose.place.x),
+        vertices: &points.parts.skin_vertices,
+        followers: &[],
+        height: points.height(),
+        eyes: eyes_of(surface, points, centres),
+        closed: points.units().iris_diameter,
+    });
+    lids.map(Result::err)
+}
+
+/// The centres of the left and the right eye: without eyeballs behind the pupils.
+fn eye_centres(points: &FacePoints) -> Option<[Vec3; 2]> {
+    if let Some(eyes) = &points.parts.eyeballs {
+        return Some([eyes[0].1, eyes[1].1]);
+    }
+    let behind = 0.09 * points.height() * Vec3::Z;
+    let place = |point: PointId| points.get(point).map(|p| p.place - behind);
+    Some([place((3, 5))?, place((3, 6))?])
 }
 
 /// The surfaces of the eyes, without distances where there are no eyeballs.

@@ -18,8 +18,6 @@ pub(super) struct RuleFrame {
     /// 2.1, the hinge of the jaw at 10.9 and 10.10, and its height.
     pub(super) chin: Vec3,
     pub(super) hinge: Vec3,
-    /// Centres of the eyeballs: left and right.
-    pub(super) eyes: [Vec3; 2],
 }
 
 /// Displacements of the feature points by parameters.
@@ -38,13 +36,10 @@ impl RuleFrame {
         handles
             .iter()
             .map(|handle| match handle.what {
-                HandleKind::Resting => Vec3::ZERO,
-                HandleKind::Moving(point) if point.0 == 3 => motion.lid(point, handle.place, 1.0),
+                // Lids are moved as wholes, beside the handles.
+                HandleKind::Resting | HandleKind::Rim(..) => Vec3::ZERO,
+                HandleKind::Moving(point) if point.0 == 3 => Vec3::ZERO,
                 HandleKind::Moving(point) => motion.of(point, handle.place),
-                HandleKind::Rim(middle, part) => {
-                    let along = f32::from(part) / 100.0;
-                    motion.lid(middle, handle.place, 1.0 - along * along)
-                }
             })
             .collect()
     }
@@ -163,17 +158,6 @@ impl Motion<'_> {
         };
         Vec3::new(0.5 * (aside + jaw), own.y, inner)
     }
-
-    /// Motion of a place on a rim of a lid: along the circle about the middle of the eye.
-    fn lid(&self, middle: PointId, place: Vec3, share: f32) -> Vec3 {
-        let centre = self.frame.eyes[usize::from(middle.1.is_multiple_of(2))];
-        let down = share * self.component(middle).y;
-        let from = place - centre;
-        let radius = (from.y * from.y + from.z * from.z).sqrt();
-        let y = (from.y + down).clamp(-0.95 * radius, 0.95 * radius);
-        let z = (radius * radius - y * y).sqrt();
-        Vec3::new(0.0, down, z - from.z)
-    }
 }
 
 /// Components that parameters say of a point, with the distance of each unit in metres.
@@ -244,7 +228,6 @@ mod tests {
             },
             chin: Vec3::new(0.0, -0.08, 0.1),
             hinge: Vec3::ZERO,
-            eyes: [Vec3::new(0.03, 0.05, 0.08), Vec3::new(-0.03, 0.05, 0.08)],
         }
     }
 
@@ -316,26 +299,5 @@ mod tests {
         // The right corner out is towards -X, and goes in as much.
         let right = moved(&[(7, 102.4)], HandleKind::Moving((2, 5)), Vec3::ZERO);
         near(right, Vec3::new(-0.005, 0.0, -0.25 * 0.005));
-    }
-
-    #[test]
-    fn lids_stay_on_a_circle_about_the_eye() {
-        let centre = frame().eyes[0];
-        let rim = centre + Vec3::new(0.0, 0.006, 0.008);
-        // 10 mm down: from 6 mm above the middle to 4 mm below.
-        let shut = moved(&[(19, 1024.0)], HandleKind::Moving((3, 1)), rim);
-        assert!((shut.y + 0.01).abs() < 1e-6);
-        let there = rim + shut - centre;
-        assert!(
-            ((there.y.powi(2) + there.z.powi(2)).sqrt() - 0.01).abs() < 1e-6,
-            "{there}"
-        );
-        // Half way to the corner the lid closes by three quarters.
-        let beside = moved(&[(19, 1024.0)], HandleKind::Rim((3, 1), 50), rim);
-        assert!((beside.y + 0.0075).abs() < 1e-6);
-        near(
-            moved(&[(20, 1024.0)], HandleKind::Moving((3, 1)), rim),
-            Vec3::ZERO,
-        );
     }
 }

@@ -152,6 +152,23 @@ pub(super) fn drives(face: &FaceInspection) -> String {
     text
 }
 
+/// Which lids are not moved, and why.
+fn lids(layout: &FaceLayout) -> String {
+    match &layout.without_lids {
+        [Some(left), Some(right)] if left == right => format!("  no lids are moved: {left}\n"),
+        lids => {
+            let named = ["left", "right"].iter().zip(lids);
+            let lines = named.filter_map(|(side, why)| {
+                Some(format!(
+                    "  the {side} lids are not moved: {}\n",
+                    why.as_ref()?
+                ))
+            });
+            lines.collect()
+        }
+    }
+}
+
 /// The table of the points.
 pub(super) fn text(layout: &FaceLayout) -> String {
     let mut text = format!(
@@ -172,6 +189,7 @@ pub(super) fn text(layout: &FaceLayout) -> String {
             layout.dropped.join(", ")
         ));
     }
+    text.push_str(&lids(layout));
     let mut table = Table::new(&[
         "point",
         "place",

@@ -1,7 +1,7 @@
 //! The heads that are judged: with their own shapes, and with shapes that were made.
 
 use anyhow::{Context, Result};
-use articula::face::{HeadSurface, add_face_shapes_by};
+use articula::face::{HeadSurface, RefusedShape, add_face_shapes_by};
 use articula::{CharacterFile, Figure};
 use articula_build::face::{FacePoints, FaceSurface, MouthMotions};
 use articula_human::HumanOptions;
@@ -29,6 +29,8 @@ pub(super) struct Head {
     pub(super) points: FacePoints,
     /// The same vertices with the made shapes; why there are none.
     pub(super) made: Result<FaceSurface, String>,
+    /// Shapes that were not made, and why.
+    pub(super) refused: Vec<RefusedShape>,
 }
 
 impl Head {
@@ -64,8 +66,12 @@ impl Head {
         };
         let mut bare = opened.clone();
         bare.keep_morph_targets(|_| false);
+        let mut refused = Vec::new();
         let made = match add_face_shapes_by(&mut bare, &[], motions) {
-            Ok(_) => Ok(HeadSurface::of(&Figure::new(bare)?).surface),
+            Ok(shapes) => {
+                refused = shapes.refused;
+                Ok(HeadSurface::of(&Figure::new(bare)?).surface)
+            }
             Err(error) => Err(error.to_string()),
         };
         Ok(Some(Self {
@@ -73,6 +79,7 @@ impl Head {
             own,
             points,
             made,
+            refused,
         }))
     }
 }

@@ -11,6 +11,8 @@ use glam::Vec3;
 
 /// Share of the largest displacement from which a vertex counts.
 const COUNTS: f32 = 0.05;
+/// Displacement below which an eyeball rests, metres.
+const RESTS: f32 = 1e-5;
 
 /// A shape that was made, beside the own one where the head has it; lengths in millimetres.
 #[derive(Debug, Clone)]
@@ -56,6 +58,7 @@ fn row(
     let rest = &head.own.positions;
     let own = offsets(&head.own, shape);
     let eye = usize::from(shape.ends_with("Right"));
+    let seen = &counted(head, own, seen);
     let most = |moved: &[Vec3]| largest(moved, seen);
     let alike: Option<Vec<Vec3>> = own.map(|own| {
         let factor = most(own) / most(made).max(1e-9);
@@ -90,6 +93,17 @@ fn row(
 fn offsets<'a>(surface: &'a FaceSurface, shape: &str) -> Option<&'a [Vec3]> {
     let found = surface.shapes.iter().find(|(name, _)| *name == shape);
     found.map(|(_, offsets)| offsets.as_slice())
+}
+
+/// The vertices that are seen, without eyeballs that the own shape leaves at rest: a head may turn them by other means.
+fn counted(head: &Head, own: Option<&[Vec3]>, seen: &[bool]) -> Vec<bool> {
+    let mut counted = seen.to_vec();
+    let balls = head.points.eyeballs().into_iter().flatten().flatten();
+    let balls: Vec<usize> = balls.map(|v| *v as usize).collect();
+    if own.is_some_and(|own| balls.iter().all(|v| own[*v].length() < RESTS)) {
+        balls.iter().for_each(|v| counted[*v] = false);
+    }
+    counted
 }
 
 fn largest(moved: &[Vec3], seen: &[bool]) -> f32 {

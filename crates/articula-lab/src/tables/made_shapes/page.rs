@@ -19,14 +19,13 @@ const LIPS: [&str; 5] = [
 pub(super) fn page(heads: &[(Head, Vec<Row>)]) -> String {
     let mut page = "# Made blend shapes\n\nBy `articula-lab made-shapes`: the morph targets of heads are taken away and blend shapes are \
                     made by `add_face_shapes` (`convert --face-shapes`, [faces](../methods/faces.md)); then both are compared \
-                    at equal amplitude, the largest displacement of a vertex that is seen from outside. The motions of the lower face are those of other heads: \
+                    at equal amplitude, the largest displacement of a vertex that is seen from outside; eyeballs that the own shape leaves at rest do not count, as ICT-FaceKit turns them by other means. The motions of the lower face are those of other heads: \
                     those of MakeHuman are made by ICT-FaceKit, those of ICT-FaceKit by MakeHuman, all others by both, as the program has them. Lengths in millimetres of the \
                     head in its real size. \
                     Errors are over the seen vertices that either shape moves by more than 5 % of the largest displacement: mean and \
                     95th percentile. Contours of lips (inner and outer) and lids (both rims) are chains of vertices; their error is the \
                     mean distance from the one contour to the other, both ways. The gap is the tallest place between the lids at which, seen \
-                    from the front, an eyeball is before the skin or, without eyeballs, the skin falls back into a socket, by the own / the made shape; it reads too much where lids are parts of their own, or the inner corner \
-                    is a hollow, as the own shapes of our human and the woman show. Flips are triangles that face another way than at rest and than the triangles around them, crossings are pairs of the skin's \
+                    from the front, an eyeball is before the lids (the skin, and sheets on the ball that are parts of their own) or, without eyeballs, what is seen inside of the socket at rest is seen still, by the own / the made shape. Flips are triangles that face another way than at rest and than the triangles around them, crossings are pairs of the skin's \
                     triangles that go through each other and do not at rest: by the own shape / by the made one and not the own. \
                     – is what the head does not have.\n"
         .to_owned();
@@ -38,6 +37,15 @@ pub(super) fn page(heads: &[(Head, Vec<Row>)]) -> String {
                 let _ = writeln!(page, "No shapes are made: {why}");
             }
             Ok(_) => page.push_str(&table(rows)),
+        }
+        for refused in head.refused.chunk_by(|a, b| a.why == b.why) {
+            let names: Vec<&str> = refused.iter().map(|r| r.shape).collect();
+            let _ = writeln!(
+                page,
+                "\nNot made: {}: {}.",
+                names.join(", "),
+                refused[0].why
+            );
         }
     }
     page

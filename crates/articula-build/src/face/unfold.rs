@@ -1,6 +1,6 @@
 //! Displacements of skin that turn no triangle over.
 
-use super::super::points::{FacePoints, FaceSurface};
+use super::points::{FacePoints, FaceSurface};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +9,7 @@ const ROUNDS: usize = 30;
 
 /// The triangles of the skin, by the first vertex of each place.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Folds {
+pub(in crate::face) struct Folds {
     positions: Vec<Vec3>,
     joined: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -21,12 +21,17 @@ pub(super) struct Folds {
 }
 
 impl Folds {
-    pub(super) fn of(surface: &FaceSurface, points: &FacePoints) -> Self {
+    pub(in crate::face) fn of(surface: &FaceSurface, points: &FacePoints) -> Self {
         let parts = &points.parts;
         Self::of_triangles(surface.positions.clone(), parts.joined.clone(), &parts.skin)
     }
 
-    fn of_triangles(positions: Vec<Vec3>, joined: Vec<u32>, skin: &[[u32; 3]]) -> Self {
+    /// The same of some triangles; `joined` has the first vertex of the same place for each vertex.
+    pub(in crate::face) fn of_triangles(
+        positions: Vec<Vec3>,
+        joined: Vec<u32>,
+        skin: &[[u32; 3]],
+    ) -> Self {
         let skin = skin.iter();
         let triangles: Vec<[u32; 3]> = skin.map(|t| t.map(|v| joined[v as usize])).collect();
         let mut of_edge: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
@@ -61,7 +66,7 @@ impl Folds {
 
     /// Smooths displacements where triangles would face another way than at rest and than those beside them: their
     /// corners go as their neighbours do. `moved` has one for each vertex.
-    pub(super) fn unfold(&self, moved: &mut [Vec3]) {
+    pub(in crate::face) fn unfold(&self, moved: &mut [Vec3]) {
         let moves = |t: &usize| {
             self.triangles[*t]
                 .iter()
