@@ -2,12 +2,22 @@ import { USUAL } from '../state.js';
 import type { Studio } from '../studio.js';
 import type { StageColumn } from './column.js';
 
+/** Errors of a clip of a character by a weight. */
+interface Found {
+  readonly character: Studio['character'];
+  readonly clip: number;
+  readonly beta: number;
+  readonly errors: Float32Array;
+}
+
 /** Errors of the clip that is played by the weight that the metric has. */
 export class Weights {
   /** The weight of the errors that figures have; some have other errors than their file if it is not the usual one. */
   beta = USUAL.beta;
   readonly #studio: Studio;
   #isBusy = false;
+  /** What was found last: columns that come later have it at once. */
+  #found: Found | undefined;
   /** What was asked for while errors were found. */
   #next: (() => Promise<void>) | undefined;
 
@@ -32,10 +42,18 @@ export class Weights {
     if (state.metric !== 'thesis' || asset.clips.length === 0 || (isUsual && this.beta === USUAL.beta)) {
       return;
     }
+    const known = this.#found;
+    if (known?.character === character && known.clip === clip && known.beta === beta) {
+      columns().forEach((column) => column.weigh(clip, known.errors));
+      this.beta = beta;
+      then();
+      return;
+    }
     this.#isBusy = true;
     try {
       const errors = isUsual ? undefined : await this.#studio.articula.tools.errorMatrix(bytes, name, { clip: asset.clips[clip], beta });
       if (character === this.#studio.character) {
+        this.#found = errors && { character, clip, beta, errors };
         columns().forEach((column) => column.weigh(clip, errors));
         this.beta = beta;
         then();
