@@ -60,9 +60,10 @@ export const CONTROLS = [
       };
       const weights = [await weighed(0), await weighed(1), await weighed(0.5), await weighed(0)];
       faults.push(...unless(weights[0] === weights[3] && new Set(weights).size === 3, `joints by weight: ${weights.join('; ')}`));
-      // Columns that come while errors are found get them too.
+      // Columns that come while errors are found get them too, and those that come afterwards have them at once.
       await slide(page, 'Orientation against velocity (β)', 1);
       await press(page, /^All levels$/);
+      await page.waitForFunction(() => globalThis.articulaStudio.current.weight === 1, undefined, { timeout: 60_000 });
       await press(page, /^One view$/);
       const again = await weighed(1);
       const told = await page.getByRole('alert').filter({ visible: true }).count();
