@@ -42,16 +42,12 @@ export class Weights {
     if (state.metric !== 'thesis' || asset.clips.length === 0 || (isUsual && this.beta === USUAL.beta)) {
       return;
     }
-    const known = this.#found;
-    if (known?.character === character && known.clip === clip && known.beta === beta) {
-      columns().forEach((column) => column.weigh(clip, known.errors));
-      this.beta = beta;
-      then();
-      return;
-    }
     this.#isBusy = true;
     try {
-      const errors = isUsual ? undefined : await this.#studio.articula.tools.errorMatrix(bytes, name, { clip: asset.clips[clip], beta });
+      const found = this.#found;
+      const isKnown = found?.character === character && found.clip === clip && found.beta === beta;
+      const known = isKnown ? found.errors : undefined;
+      const errors = isUsual ? undefined : (known ?? (await this.#studio.articula.tools.errorMatrix(bytes, name, { clip: asset.clips[clip], beta })));
       if (character === this.#studio.character) {
         this.#found = errors && { character, clip, beta, errors };
         columns().forEach((column) => column.weigh(clip, errors));

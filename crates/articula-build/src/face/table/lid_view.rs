@@ -218,8 +218,8 @@ impl EyeView {
         }
     }
 
-    /// The column at a place.
-    pub(super) fn first_column(&self, x: f32) -> f32 {
+    /// The column at a place, which may be outside of the view.
+    pub(super) fn column(&self, x: f32) -> f32 {
         self.grid.column(x)
     }
 

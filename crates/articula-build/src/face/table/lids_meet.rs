@@ -40,18 +40,19 @@ impl EyeLids {
         positions: &[Vec3],
         joined: &[u32],
     ) -> Result<(), NoLids> {
-        let mut best = (usize::MAX, self.heights.more.clone(), self.vertices.clone());
+        let corrected = |lids: &Self| (lids.heights.more.clone(), lids.vertices.clone());
+        let (mut least, mut best) = (usize::MAX, corrected(self));
         for look in 0..LOOKS {
             let left = self.left(view, positions);
             let open = most(&left);
-            if open < best.0 {
-                best = (open, self.heights.more.clone(), self.vertices.clone());
+            if open < least {
+                (least, best) = (open, corrected(self));
             }
             if open <= MEET {
                 break;
             }
             self.come_forward(view, &left);
-            let first = view.first_column(self.heights.low);
+            let first = view.column(self.heights.low);
             self.go_farther(
                 usize::from(look < BY_LOWER),
                 &left.columns,
@@ -59,13 +60,13 @@ impl EyeLids {
                 positions,
             );
         }
-        (_, self.heights.more, self.vertices) = (0, best.1, best.2);
-        if best.0 > MOST {
-            return Err(NoLids::Open(best.0 as f32 * self.heights.step));
+        (self.heights.more, self.vertices) = best;
+        if least > MOST {
+            return Err(NoLids::Open(least as f32 * self.heights.step));
         }
         let folded = self.vertices.clone();
         self.unfold(view, positions, joined);
-        if most(&self.left(view, positions)) > best.0.max(UNFOLDED) {
+        if most(&self.left(view, positions)) > least.max(UNFOLDED) {
             self.vertices = folded;
         }
         Ok(())
