@@ -2,6 +2,9 @@
 //
 // The job is `{"json": document, "inputs": [input of ArticulaPortrait.drive, …]}`. Prints for each input
 // `{"pose": angles, "weights": those of the expressions, "places": x and y of each vertex, "missing": names}`.
+// With `"background": [{"from": seconds, "picture": name}, …]` and `"times": [seconds, …]` in the job, prints the name
+// of the picture that is drawn at each time of the first clip instead; with `"planes": [angles, …]`, how each turns the
+// canvas.
 
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -9,14 +12,26 @@ import { resolve } from "node:path";
 
 const require = createRequire(import.meta.url);
 const { ArticulaPortrait } = require(resolve(process.argv[2]));
-const { json, inputs } = JSON.parse(readFileSync(0, "utf8"));
+const { json, inputs, background = null, times, planes } = JSON.parse(readFileSync(0, "utf8"));
 
-/** A canvas on which nothing is seen. */
-const context = new Proxy({}, { get: (_, name) => (name === "createPattern" ? () => null : () => {}), set: () => true });
+/** A canvas on which nothing is seen; what is drawn behind is kept. */
+let behind = null;
+const calls = { createPattern: () => null, drawImage: (picture) => (behind = picture) };
+const context = new Proxy({}, { get: (_, name) => calls[name] ?? (() => {}), set: () => true });
+const canvas = { getContext: () => context, clientWidth: 400, style: {} };
 globalThis.cancelAnimationFrame = () => {};
 
-const face = new ArticulaPortrait({ getContext: () => context }, json, []);
-const shown = inputs.map((input) => {
+const face = new ArticulaPortrait(canvas, json, [], { background });
+const drawnAt = (time) => {
+  behind = null;
+  face.seek(time);
+  return behind;
+};
+const turned = (angles) => {
+  face.turnPlane(angles);
+  return canvas.style.transform;
+};
+const shown = times?.map(drawnAt) ?? planes?.map(turned) ?? inputs.map((input) => {
   const missing = face.drive(input);
   const { pose, weights } = face.driven;
   return { pose, weights, places: [...face.places(pose, weights)], missing };

@@ -7,9 +7,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most rounds of smoothing.
 const ROUNDS: usize = 30;
 
-/// The triangles of the skin, by the first vertex of each place.
+/// The triangles of the skin of a head, to find and smooth those that displacements turn over.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::face) struct Folds {
+pub struct SkinFolds {
+    // All are by the first vertex of each place.
     positions: Vec<Vec3>,
     joined: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -20,8 +21,9 @@ pub(in crate::face) struct Folds {
     neighbours: BTreeMap<u32, BTreeSet<u32>>,
 }
 
-impl Folds {
-    pub(in crate::face) fn of(surface: &FaceSurface, points: &FacePoints) -> Self {
+impl SkinFolds {
+    /// The skin of a head; its feature points say what of it is skin.
+    pub fn of(surface: &FaceSurface, points: &FacePoints) -> Self {
         let parts = &points.parts;
         Self::of_triangles(surface.positions.clone(), parts.joined.clone(), &parts.skin)
     }
@@ -65,8 +67,8 @@ impl Folds {
     }
 
     /// Smooths displacements where triangles would face another way than at rest and than those beside them: their
-    /// corners go as their neighbours do. `moved` has one for each vertex.
-    pub(in crate::face) fn unfold(&self, moved: &mut [Vec3]) {
+    /// corners go as their neighbours do. `moved` has one for each vertex of the head, in metres.
+    pub fn unfold(&self, moved: &mut [Vec3]) {
         let moves = |t: &usize| {
             self.triangles[*t]
                 .iter()
@@ -125,13 +127,13 @@ mod tests {
     use super::*;
 
     /// A square of 5 by 5 vertices.
-    fn square() -> Folds {
+    fn square() -> SkinFolds {
         let at = |i: u32| Vec3::new((i % 5) as f32, (i / 5) as f32, 0.0);
         let cells = (0..16).map(|i| i / 4 * 5 + i % 4);
         let triangles: Vec<[u32; 3]> = cells
             .flat_map(|v| [[v, v + 1, v + 6], [v, v + 6, v + 5]])
             .collect();
-        Folds::of_triangles((0..25).map(at).collect(), (0..25).collect(), &triangles)
+        SkinFolds::of_triangles((0..25).map(at).collect(), (0..25).collect(), &triangles)
     }
 
     #[test]

@@ -6,6 +6,8 @@ use crate::program::{folder, json};
 use articula::build::face::FapInterval;
 use articula::core::fap_table::{LOW_FAPS, TABLE};
 use articula::glam::{EulerRot, Quat};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json as object};
 use std::path::Path;
 
@@ -33,6 +35,12 @@ fn document(here: &Path) -> Value {
     serde_json::from_slice(&std::fs::read(here.join("a.json")).unwrap()).unwrap()
 }
 
+/// The player, as pages have it in them.
+const PLAYER: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../articula-flat/src/portrait/player.js"
+);
+
 /// What the player shows for each input.
 fn driven(here: &Path, document: &Value, inputs: &Value) -> Vec<Value> {
     let player = here.join("player.js").to_string_lossy().into_owned();
@@ -40,6 +48,68 @@ fn driven(here: &Path, document: &Value, inputs: &Value) -> Vec<Value> {
     let (answer, good) = ask_on_words("portrait.mjs", &[player], &job);
     assert!(good, "{answer}");
     serde_json::from_str(&answer).unwrap()
+}
+
+/// What is embedded in a page under a name.
+fn embedded(page: &str, name: &str) -> Value {
+    let begin = format!("const {name} = ");
+    let line = page.lines().find_map(|line| line.strip_prefix(&begin));
+    serde_json::from_str(line.unwrap().trim_end_matches(';')).unwrap()
+}
+
+#[test]
+fn pictures_behind_a_portrait_change_with_its_clip() {
+    if !node_is_here() {
+        return;
+    }
+    let here = folder("slide-show");
+    for name in ["a.png", "b.png", "c.png"] {
+        std::fs::write(here.join(name), name).unwrap();
+    }
+    let head = format!(
+        "{}/../../assets/glb/ict_head_talk_554.glb",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let portrait = ["--triangles", "120", "--size", "64", "--views", "1"];
+    // What is behind at each time, by the player of a document of the same head.
+    let shown = |slides: &[&str], times: &[f64]| -> Vec<Value> {
+        let words: Vec<&str> = slides.iter().flat_map(|s| ["--background", s]).collect();
+        let out = format!("{}.html", slides.len());
+        json(
+            &here,
+            &[&["flatten", &head, &out], &portrait[..], &words].concat(),
+        );
+        let page = std::fs::read_to_string(here.join(out)).unwrap();
+        let [document, background] = ["json", "behind"].map(|name| embedded(&page, name));
+        let job = object!({"json": document, "background": background, "times": times}).to_string();
+        let (answer, good) = ask_on_words("portrait.mjs", &[PLAYER.to_owned()], &job);
+        assert!(good, "{answer}");
+        serde_json::from_str(&answer).unwrap()
+    };
+    let uri = |name: &str| {
+        let bytes = STANDARD.encode(name);
+        Value::from(format!("data:image/png;base64,{bytes}"))
+    };
+    let [a, b, c] = ["a.png", "b.png", "c.png"].map(uri);
+    // In the order of their times, none before the first.
+    let timed = shown(&["b.png@0.5", "a.png@0.2"], &[0.1, 0.3, 0.6, 0.3]);
+    assert_eq!(timed, [Value::Null, a.clone(), b.clone(), a.clone()]);
+    // Thirds of the clip, which begins anew.
+    let page = std::fs::read_to_string(here.join("2.html")).unwrap();
+    let document = embedded(&page, "json");
+    let clip = &document["clips"][0];
+    let number = |name: &str| clip[name].as_f64().unwrap();
+    let secs = (number("frames") - 1.0) / number("rate");
+    let times = [0.1, 0.4, 0.9, 1.1].map(|share| share * secs);
+    let even = shown(&["a.png", "b.png", "c.png"], &times);
+    assert_eq!(even, [a.clone(), b, c, a]);
+    let job = object!({"json": document, "planes": [{"yaw": 20, "pitch": 10, "roll": 5}, {}, {"yaw": null}]});
+    let (answer, good) = ask_on_words("portrait.mjs", &[PLAYER.to_owned()], &job.to_string());
+    assert!(good, "{answer}");
+    let planes: Vec<String> = serde_json::from_str(&answer).unwrap();
+    let rest = "perspective(1600px) rotateY(0deg) rotateX(0deg) rotateZ(0deg)";
+    let turned = "perspective(1600px) rotateY(20deg) rotateX(-10deg) rotateZ(-5deg)";
+    assert_eq!(planes, [turned, rest, rest]);
 }
 
 fn numbers(value: &Value) -> Vec<f64> {

@@ -45,5 +45,5 @@ pub use document::PictureFormat;
 pub use error::PortraitError;
 pub use head::{Head, HeadPose, JointTurn, PortraitExpression};
 pub use model::{Portrait, PortraitCounts, PortraitInput};
-pub use page::{EmbeddedFile, PageOptions, page};
+pub use page::{EmbeddedFile, PageOptions, Slide, page};
 pub use source::{PortraitOptions, PortraitSource};

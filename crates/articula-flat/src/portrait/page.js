@@ -41,20 +41,31 @@ const start = async () => {
   const images = await Promise.all(pictures.map(load));
   const large = canvas.clientHeight * devicePixelRatio / json.size[1];
   const scale = controls ? Math.min(Math.max(1, large), 4) : 1;
-  const face = new ArticulaPortrait(canvas, json, images, { background: behind && (await load(behind)), scale });
+  const slide = async ({ from, picture }) => ({ from, picture: await load(picture) });
+  const background = behind && (Array.isArray(behind) ? await Promise.all(behind.map(slide)) : await load(behind));
+  const face = new ArticulaPortrait(canvas, json, images, { background, scale });
   const head = { yaw: 0, pitch: 0, roll: 0 };
+  const plane = { yaw: 0, pitch: 0 };
   const weights = {};
-  const inputs = new Map();
+  const inputs = [];
   const ends = (nodes) => [nodes[0], nodes[nodes.length - 1]];
   const limits = { yaw: ends(json.grid.yaw), pitch: ends(json.grid.pitch), roll: [-30, 30] };
+  const bring = () => {
+    for (const [input, owner, name] of inputs) {
+      input.value = owner[name] ?? 0;
+      input.nextElementSibling.value = owner === weights ? Math.round(100 * input.value) : `${Math.round(input.value)}°`;
+    }
+  };
+  // A clip goes on while the picture is turned.
+  const turn = () => {
+    face.turnPlane(plane);
+    bring();
+  };
   // Shows what was chosen by hand, and brings the sliders to it.
   const byHand = () => {
     face.stop();
     face.pose(head, weights);
-    for (const [input, owner, name] of inputs.values()) {
-      input.value = owner[name] ?? 0;
-      input.nextElementSibling.value = owner === head ? `${Math.round(input.value)}°` : Math.round(100 * input.value);
-    }
+    bring();
   };
   const sweep = (now) => {
     face.pose({ yaw: 40 * Math.sin(now / 1500) });
@@ -76,9 +87,9 @@ const start = async () => {
     Object.assign(input, { type: "range", min: least, max: most, step: (most - least) / 200, value: 0 });
     input.addEventListener("input", () => {
       owner[name] = Number(input.value);
-      byHand();
+      (owner === plane ? turn : byHand)();
     });
-    inputs.set(name, [input, owner, name]);
+    inputs.push([input, owner, name]);
   };
   const fieldset = (title) => {
     const group = element("fieldset", "", controls);
@@ -95,14 +106,16 @@ const start = async () => {
     };
     button("Neutral", () => {
       Object.assign(head, { yaw: 0, pitch: 0, roll: 0 });
+      Object.assign(plane, { yaw: 0, pitch: 0 });
+      turn();
       show({});
     });
     const known = new Set(json.expressions.map(({ name }) => unsided(name)));
     for (const [text, mood] of Object.entries(MOODS)) {
       if (Object.keys(mood).some((name) => known.has(name))) button(text, () => show(mood));
     }
-    const turn = fieldset("Head");
-    for (const name of ["yaw", "pitch", "roll"]) slider(turn, head, name, limits[name]);
+    const angles = fieldset("Head");
+    for (const name of ["yaw", "pitch", "roll"]) slider(angles, head, name, limits[name]);
     const group = ({ name }) => GROUPS.find(([, is]) => is.test(name))?.[0] ?? "Other";
     for (const [title] of GROUPS) {
       const own = json.expressions.filter((e) => group(e) === title);
@@ -110,6 +123,8 @@ const start = async () => {
       const sliders = fieldset(title);
       for (const { name } of own) slider(sliders, weights, name, [0, 1]);
     }
+    const picture = fieldset("Picture in space");
+    for (const name of ["yaw", "pitch"]) slider(picture, plane, name, [-75, 75]);
     const within = (value, [least, most]) => Math.min(Math.max(value, least), most);
     canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
     canvas.addEventListener("pointermove", (event) => {

@@ -17,13 +17,23 @@ pub struct EmbeddedFile {
     pub bytes: Vec<u8>,
 }
 
+/// A picture of a slide-show behind a portrait.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slide {
+    /// Time in the clip from which it is shown, seconds.
+    pub from_secs: f64,
+    /// PNG, JPEG or WebP.
+    pub picture: EmbeddedFile,
+}
+
 /// Options of the HTML page.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct PageOptions {
     /// Title of the page.
     pub title: String,
-    /// Picture behind the portrait.
-    pub background: Option<EmbeddedFile>,
+    /// Pictures behind the portrait, the earliest first; the last that has begun is shown, and none before
+    /// the first.
+    pub background: Vec<Slide>,
     /// Sound that the clip is synchronised to.
     pub audio: Option<EmbeddedFile>,
     /// Whether the page has its title as a heading, a canvas as large as fits, on which a drag turns the
@@ -86,11 +96,28 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
         }));
     }
     let _ = writeln!(out, "const pictures = [{}];", pictures.join(","));
-    let background = options.background.as_ref().map_or("null".to_owned(), uri);
-    let _ = writeln!(out, "const behind = {background};");
+    let _ = writeln!(out, "const behind = {};", behind(&options.background));
     out.push_str(SCRIPT);
     out.push_str("</script>\n</html>\n");
     Ok(out)
+}
+
+/// The pictures behind the portrait, for scripts.
+fn behind(slides: &[Slide]) -> String {
+    let slide = |s: &Slide| {
+        format!(
+            "{{\"from\":{},\"picture\":{}}}",
+            s.from_secs,
+            uri(&s.picture)
+        )
+    };
+    match slides {
+        [] => "null".to_owned(),
+        _ => format!(
+            "[{}]",
+            slides.iter().map(slide).collect::<Vec<_>>().join(",")
+        ),
+    }
 }
 
 /// The file as a data URI in quotation marks, valid in scripts and in attributes.

@@ -5,8 +5,8 @@
 //   face.play("talk", { audio });                              // audio is an option: the clock
 //   face.drive({ faps: { 3: 400, 49: 20000 }, shapes: { eyeBlinkLeft: 1 }, visemes: { aa: 0.5 } });
 //
-// Further options of the constructor: `background`, a picture, and `scale`, pixels of the canvas in one of the
-// document.
+// Further options of the constructor: `background`, a picture or a slide-show, [{ from: 0, picture }, …] in seconds of
+// the clip; and `scale`, pixels of the canvas in one of the document.
 //
 // Angles are in degrees: yaw towards the figure's left, pitch down, roll counter-clockwise.
 "use strict";
@@ -20,7 +20,8 @@ class ArticulaPortrait {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.json = json;
-    this.background = background;
+    this.slides = Array.isArray(background) ? background : background ? [{ from: 0, picture: background }] : [];
+    this.seconds = 0;
     this.frames = 0;
     this.scale = scale;
     [canvas.width, canvas.height] = json.size.map((side) => Math.round(side * scale));
@@ -85,9 +86,9 @@ class ArticulaPortrait {
   /**
    * Shows a face given by any of: `faps`, values by the numbers of the parameters or a list that begins with FAP 1;
    * `shapes`, weights by the names of blend shapes; `visemes`, weights by PP, FF, …; `head`, angles in degrees. They
-   * add up. Returns the names that nothing of the portrait shows.
+   * add up. `plane` turns the picture, as `turnPlane` does. Returns the names that nothing of the portrait shows.
    */
-  drive({ faps = {}, shapes = {}, visemes = {}, head = {} } = {}) {
+  drive({ faps = {}, shapes = {}, visemes = {}, head = {}, plane } = {}) {
     const weights = new Array(this.expressions.length).fill(0);
     const values = new Map();
     const missing = [];
@@ -115,6 +116,7 @@ class ArticulaPortrait {
     }
     this.driven = { pose, weights };
     this.draw(pose, weights);
+    if (plane) this.turnPlane(plane);
     return missing;
   }
 
@@ -139,6 +141,14 @@ class ArticulaPortrait {
       for (const one of found) if (this.byName.has(one)) driven[this.byName.get(one)] = weight;
     }
     this.draw({ yaw, pitch, roll }, driven);
+  }
+
+  /** Turns the plane of the picture in space, in degrees as a head turns; nothing is drawn anew. */
+  turnPlane({ yaw = 0, pitch = 0, roll = 0 } = {}) {
+    const turn = (axis, degrees) => `rotate${axis}(${Number.isFinite(degrees) ? degrees : 0}deg)`;
+    const turns = [turn("Y", yaw), turn("X", -pitch), turn("Z", -roll)];
+    // Seen from four times the width.
+    this.canvas.style.transform = `perspective(${4 * (this.canvas.clientWidth || this.canvas.width)}px) ${turns.join(" ")}`;
   }
 
   /** Shows places of the vertices that the host projected: x and y, in the order of the file's `vertices`. */
@@ -180,6 +190,7 @@ class ArticulaPortrait {
     const clip = this.clip ?? this.clips[0];
     if (!clip) return this.draw({ yaw: 0, pitch: 0, roll: 0 }, []);
     const last = clip.frames - 1;
+    this.seconds = last > 0 ? Math.max(0, seconds) % (last / clip.rate) || 0 : 0;
     const at = last > 0 ? Math.max(0, seconds * clip.rate) % last || 0 : 0;
     const before = Math.floor(at);
     const after = Math.min(before + 1, last);
@@ -367,7 +378,8 @@ class ArticulaPortrait {
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.globalAlpha = 1;
     context.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    if (this.background) context.drawImage(this.background, 0, 0, this.canvas.width, this.canvas.height);
+    const slide = this.slides.findLast(({ from }) => from <= this.seconds);
+    if (slide) context.drawImage(slide.picture, 0, 0, this.canvas.width, this.canvas.height);
     const near = this.near(pose);
     let { order } = this.sectors[0];
     for (const sector of this.sectors) if (sector.from <= pose.yaw) order = sector.order;

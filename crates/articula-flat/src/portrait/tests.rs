@@ -429,14 +429,27 @@ fn the_document_is_as_its_schema_says() {
     let plain = page(&portrait, &PageOptions::default()).unwrap();
     assert_eq!(plain.matches("</script>").count(), 2);
     assert!(!plain.contains("<main>"), "the canvas alone");
+    assert!(plain.contains("const behind = null;"));
     let controlled = PageOptions {
         title: "a <b>".into(),
         controls: true,
+        background: [0.0, 1.5].map(slide).into(),
         ..PageOptions::default()
     };
     let controlled = page(&portrait, &controlled).unwrap();
+    let picture = r#""picture":"data:image/png;base64,AA==""#;
+    let behind = format!("const behind = [{{\"from\":0,{picture}}},{{\"from\":1.5,{picture}}}];");
+    assert!(controlled.contains(&behind));
     assert_eq!(controlled.matches("</script>").count(), 2);
     assert!(controlled.contains("<h1>a &lt;b&gt;</h1>"));
+}
+
+fn slide(from_secs: f64) -> Slide {
+    let picture = EmbeddedFile {
+        media_type: "image/png".into(),
+        bytes: vec![0],
+    };
+    Slide { from_secs, picture }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::error::{Context, Error, Result};
 use crate::figure::Figure;
 use crate::open::CharacterFile;
 use articula_build::face::{
-    FaceTable, FapInterval, FapValues, MouthChart, MouthMotions, blend_shape,
+    FacePoints, FaceTable, FapInterval, FapValues, MouthChart, MouthMotions, SkinFolds, blend_shape,
 };
 use articula_core::arkit_table::BLEND_SHAPES;
 use articula_core::face_control::FaceControl;
@@ -35,6 +35,11 @@ const LIDS: [(&str, [f32; 2]); 5] = [
 ];
 /// Those of them that move nothing but lids.
 const LIDS_ALONE: [&str; 3] = ["eyeBlink", "eyeSquint", "eyeWide"];
+
+/// Points of the inner contour of the lower and of the upper lip, across from each other.
+const LIPS: [[PointId; 2]; 3] = [[(2, 3), (2, 2)], [(2, 8), (2, 6)], [(2, 9), (2, 7)]];
+/// Least and greatest factor of `mouthClose`.
+const CLOSES: [f32; 2] = [0.7, 1.4];
 
 /// Blend shapes that were made for a face.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -126,16 +131,30 @@ fn made_shapes(
     let table = face.table()?;
     let chart = MouthChart::new(&face.head.surface, &face.points);
     let measured = |name: &str| motions.displacements(name, chart.as_ref()?, &table);
+    let folds = SkinFolds::of(&face.head.surface, &face.points);
+    let of_table = |name: &str| {
+        let mut moved = table.displacements(&parameters(name));
+        folds.unfold(&mut moved);
+        moved
+    };
     let mut shapes: Vec<(String, Vec<Vec3>)> = Vec::new();
     let (mut made, mut not_made, mut refused) = (Vec::new(), Vec::new(), Vec::new());
+    let mut jaw = Vec::new();
     for shape in &BLEND_SHAPES {
         if let Some(why) = without_lids(&table, shape.name) {
             let shape = shape.name;
             refused.push(RefusedShape { shape, why });
             continue;
         }
-        let offsets =
-            measured(shape.name).unwrap_or_else(|| table.displacements(&parameters(shape.name)));
+        let mut offsets = measured(shape.name).unwrap_or_else(|| of_table(shape.name));
+        match shape.name {
+            "jawOpen" => jaw.clone_from(&offsets),
+            "mouthClose" => {
+                let factor = closing(&face.points, &jaw, &offsets);
+                offsets.iter_mut().for_each(|o| *o *= factor);
+            }
+            _ => {}
+        }
         if offsets.iter().all(|o| *o == Vec3::ZERO) {
             not_made.push(shape.name);
             continue;
@@ -155,6 +174,24 @@ fn made_shapes(
         refused,
         doubtful: face.doubtful(),
     })
+}
+
+/// Factor of `mouthClose` by which it undoes, as far as it can, what `jawOpen` opens between the lips.
+fn closing(points: &FacePoints, jaw: &[Vec3], close: &[Vec3]) -> f32 {
+    let pairs = LIPS.iter().filter_map(|pair| {
+        let [lower, upper] = pair.map(|point| Some(points.get(point)?.vertex? as usize));
+        let (lower, upper) = (lower?, upper?);
+        let apart = |moved: &[Vec3]| Some(*moved.get(lower)? - *moved.get(upper)?);
+        Some([apart(jaw)?, apart(close)?])
+    });
+    let (along, square) = pairs.fold((0.0, 0.0), |(along, square), [jaw, close]| {
+        (along - jaw.dot(close), square + close.length_squared())
+    });
+    if along <= 0.0 {
+        return 1.0;
+    }
+    let [least, most] = CLOSES;
+    (along / square).clamp(least, most)
 }
 
 /// Why the lids that a blend shape moves are not moved.

@@ -1,6 +1,6 @@
 //! The last of the way: closed lids are looked at from the front, and moved until nothing of the eye is seen.
 
-use super::super::unfold::Folds;
+use super::super::unfold::SkinFolds;
 use super::lid_view::{EyeView, Look, NoLids};
 use super::lids::EyeLids;
 use glam::Vec3;
@@ -74,7 +74,7 @@ impl EyeLids {
 
     /// Smooths the closed lids where they turn triangles over.
     fn unfold(&mut self, view: &EyeView, positions: &[Vec3], joined: &[u32]) {
-        let folds = Folds::of_triangles(positions.to_vec(), joined.to_vec(), &view.lids);
+        let folds = SkinFolds::of_triangles(positions.to_vec(), joined.to_vec(), &view.lids);
         let closed = self.closed(positions);
         let mut unfolded = closed.clone();
         folds.unfold(&mut unfolded);

@@ -211,15 +211,23 @@ pub(crate) struct SpecialArgs {
     /// portrait: number of pictures of the head, 1, 3 or 5
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub(crate) views: u32,
-    /// portrait: picture behind the head
-    #[arg(long, value_name = "PICTURE")]
-    pub(crate) background: Option<PathBuf>,
+    /// portrait: picture behind the head; given several times, a slide-show in step with the clip, each from a
+    /// second of it (or, without seconds, all for the same time)
+    #[arg(long, value_name = "PICTURE[@SECONDS]", value_parser = slide)]
+    pub(crate) background: Vec<SlideFile>,
     /// portrait: sound file to play in sync with the mouth
     #[arg(long, value_name = "FILE")]
     pub(crate) audio: Option<PathBuf>,
     /// thesis: SVG elements to write
     #[arg(long, value_enum, value_name = "FORM", default_value = "path")]
     pub(crate) form: FormName,
+}
+
+/// A picture behind a portrait, and the second of the clip from which it is shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SlideFile {
+    pub(crate) path: PathBuf,
+    pub(crate) from_secs: Option<f64>,
 }
 
 /// Kind of 2D content.
@@ -309,7 +317,8 @@ pub(crate) struct MovieArgs {
 impl ConvertArgs {
     /// The files that are read.
     pub(crate) fn inputs(&self) -> impl Iterator<Item = &Path> {
-        let special = self.special.background.iter().chain(&self.special.audio);
+        let slides = self.special.background.iter().map(|s| &s.path);
+        let special = slides.chain(&self.special.audio);
         let faces = self.motion.motion.iter().chain(self.shapes.input());
         let all = self.file.iter().chain(special).chain(faces);
         all.map(PathBuf::as_path).chain(self.names.inputs())
@@ -403,9 +412,45 @@ fn color(text: &str) -> Result<[u8; 4], String> {
     }
 }
 
+/// A path, which may have an `@` of its own, and the seconds after the last one.
+fn slide(text: &str) -> Result<SlideFile, String> {
+    let timed = text.rsplit_once('@').and_then(|(path, secs)| {
+        let secs: f64 = secs.parse().ok()?;
+        (!path.is_empty()).then_some((path, secs))
+    });
+    let Some((path, secs)) = timed else {
+        let path = PathBuf::from(text);
+        return Ok(SlideFile {
+            path,
+            from_secs: None,
+        });
+    };
+    if !(0.0..=86_400.0).contains(&secs) {
+        return Err("expected seconds of the clip from 0, as in park.jpg@2.5".into());
+    }
+    Ok(SlideFile {
+        path: path.into(),
+        from_secs: Some(secs),
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_of_a_slide_show_begin_at_seconds() {
+        let of = |path: &str, from_secs| SlideFile {
+            path: path.into(),
+            from_secs,
+        };
+        assert_eq!(slide("a.png"), Ok(of("a.png", None)));
+        assert_eq!(slide("a@2x.png"), Ok(of("a@2x.png", None)));
+        assert_eq!(slide("a@2x.png@0.5"), Ok(of("a@2x.png", Some(0.5))));
+        for wrong in ["a.png@-1", "a.png@inf", "a.png@nan"] {
+            assert!(slide(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn sizes_and_colours_are_bounded() {

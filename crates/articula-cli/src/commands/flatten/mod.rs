@@ -149,7 +149,11 @@ impl ConvertArgs {
             (special.live, "--live", &[P::Player, P::Portrait]),
             (motion.motion.is_some(), "--motion", &framed),
             (self.shapes.asks(), "--face-shapes", &framed),
-            (special.background.is_some(), "--background", &[P::Portrait]),
+            (
+                !special.background.is_empty(),
+                "--background",
+                &[P::Portrait],
+            ),
             (special.audio.is_some(), "--audio", &[P::Portrait]),
             (special.views != 3, "--views", &[P::Portrait]),
             (special.form != FormName::Path, "--form", &[P::Thesis]),

@@ -1,6 +1,6 @@
 //! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
 
-use super::arguments::ConvertArgs;
+use super::arguments::{ConvertArgs, SlideFile};
 use super::face;
 use crate::console::Console;
 use crate::fault;
@@ -10,7 +10,7 @@ use anyhow::Context;
 use articula::Figure;
 use articula::core::Viewport;
 use articula::flat::portrait::PictureFormat;
-use articula::flat::portrait::{EmbeddedFile, PageOptions, page};
+use articula::flat::portrait::{EmbeddedFile, PageOptions, Slide, page};
 use articula::flat::portrait::{Portrait, PortraitOptions};
 use articula::flatten::{
     PortraitReport, PortraitShot, portrait, portrait_errors, surfaces_shown_otherwise,
@@ -40,6 +40,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     };
     if shot.clip.is_none() && args.special.audio.is_some() {
         let what = "--audio needs a clip with the motion of the mouth; name one with --clip, or give --motion";
+        return Err(fault::usage(what));
+    }
+    if shot.clip.is_none() && args.special.background.len() > 1 {
+        let what = "--background is given several times: a slide-show needs a clip to be in step with; name one with --clip, or give --motion";
         return Err(fault::usage(what));
     }
     let (head, made) = console.work(|work| portrait(&figure, &shot, work))?;
@@ -96,8 +100,8 @@ fn write(
         let clip = portrait.clips.first();
         let options = PageOptions {
             title: clip.map_or_else(|| file.clone(), |c| format!("{file}: {}", c.name)),
-            background: enclosed(args.special.background.as_deref())?,
-            audio: enclosed(args.special.audio.as_deref())?,
+            background: slides(&args.special.background, portrait)?,
+            audio: args.special.audio.as_deref().map(enclosed).transpose()?,
             controls: true,
         };
         let text = page(portrait, &options).with_context(place)?;
@@ -122,10 +126,34 @@ fn write(
         .collect())
 }
 
-fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<EmbeddedFile>> {
-    let Some(path) = path else {
-        return Ok(None);
+/// The pictures behind the portrait, the earliest first.
+fn slides(files: &[SlideFile], portrait: &Portrait) -> anyhow::Result<Vec<Slide>> {
+    let clip = portrait.clips.first();
+    let secs = clip.map_or(0.0, |c| {
+        c.poses.len().saturating_sub(1) as f64 / f64::from(c.rate_hz)
+    });
+    let timed = files.iter().filter(|f| f.from_secs.is_some()).count();
+    if timed != 0 && timed != files.len() {
+        let what = "--background: give the seconds of all pictures (a.png@0 b.png@2.5), or of none";
+        return Err(fault::usage(what));
+    }
+    let slide = |(index, file): (usize, &SlideFile)| {
+        let share = index as f64 / files.len() as f64;
+        Ok(Slide {
+            from_secs: file.from_secs.unwrap_or(share * secs),
+            picture: enclosed(&file.path)?,
+        })
     };
+    let mut slides: Vec<Slide> = files
+        .iter()
+        .enumerate()
+        .map(slide)
+        .collect::<anyhow::Result<_>>()?;
+    slides.sort_by(|a, b| a.from_secs.total_cmp(&b.from_secs));
+    Ok(slides)
+}
+
+fn enclosed(path: &Path) -> anyhow::Result<EmbeddedFile> {
     let media_type = match files::extension(path).as_str() {
         "png" => "image/png",
         "jpg" | "jpeg" => "image/jpeg",
@@ -139,10 +167,10 @@ fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<EmbeddedFile>> {
             return Err(fault::usage(format!("{}: {what}", files::shown(path))));
         }
     };
-    Ok(Some(EmbeddedFile {
+    Ok(EmbeddedFile {
         media_type: media_type.into(),
         bytes: files::read(path, MAX_BYTES)?,
-    }))
+    })
 }
 
 /// The report for people.

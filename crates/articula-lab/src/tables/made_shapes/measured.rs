@@ -43,8 +43,8 @@ pub(super) fn rows(head: &Head) -> Vec<Row> {
     let faults = Faults::new(own, points.skin());
     let seen = seen(own, points.height());
     let shapes = BLEND_SHAPES.iter().filter_map(|shape| {
-        let made = offsets(made, shape.name)?;
-        Some(row(head, (&contours, &faults, &seen), shape.name, made))
+        let made = shown(made, shape.name)?;
+        Some(row(head, (&contours, &faults, &seen), shape.name, &made))
     });
     shapes.collect()
 }
@@ -56,7 +56,8 @@ fn row(
     made: &[Vec3],
 ) -> Row {
     let rest = &head.own.positions;
-    let own = offsets(&head.own, shape);
+    let own = shown(&head.own, shape);
+    let own = own.as_deref();
     let eye = usize::from(shape.ends_with("Right"));
     let seen = &counted(head, own, seen);
     let most = |moved: &[Vec3]| largest(moved, seen);
@@ -88,6 +89,17 @@ fn row(
         flips: [flips.len(), alone],
         crossings: [crossings.len(), crossed],
     }
+}
+
+/// What is looked at of a shape: `mouthClose` alone would take the lips through each other, it is made to be shown with
+/// `jawOpen`.
+fn shown(surface: &FaceSurface, shape: &str) -> Option<Vec<Vec3>> {
+    let mut all = offsets(surface, shape)?.to_vec();
+    if shape == "mouthClose" {
+        let jaw = offsets(surface, "jawOpen")?;
+        all.iter_mut().zip(jaw).for_each(|(d, jaw)| *d += *jaw);
+    }
+    Some(all)
 }
 
 fn offsets<'a>(surface: &'a FaceSurface, shape: &str) -> Option<&'a [Vec3]> {

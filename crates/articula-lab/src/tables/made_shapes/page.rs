@@ -19,7 +19,7 @@ const LIPS: [&str; 5] = [
 pub(super) fn page(heads: &[(Head, Vec<Row>)]) -> String {
     let mut page = "# Made blend shapes\n\nBy `articula-lab made-shapes`: the morph targets of heads are taken away and blend shapes are \
                     made by `add_face_shapes` (`convert --face-shapes`, [faces](../methods/faces.md)); then both are compared \
-                    at equal amplitude, the largest displacement of a vertex that is seen from outside; eyeballs that the own shape leaves at rest do not count, as ICT-FaceKit turns them by other means. The motions of the lower face are those of other heads: \
+                    at equal amplitude, the largest displacement of a vertex that is seen from outside; eyeballs that the own shape leaves at rest do not count, as ICT-FaceKit turns them by other means. `mouthClose` is looked at together with `jawOpen`, as it is meant: alone it takes the lips through each other. The motions of the lower face are those of other heads: \
                     those of MakeHuman are made by ICT-FaceKit, those of ICT-FaceKit by MakeHuman, all others by both, as the program has them. Lengths in millimetres of the \
                     head in its real size. \
                     Errors are over the seen vertices that either shape moves by more than 5 % of the largest displacement: mean and \
