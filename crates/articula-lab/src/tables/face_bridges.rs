@@ -129,21 +129,25 @@ fn measured(made: &Columns, solved: &Columns, active: usize) -> Way {
         .map(|s| s.0)
         .filter(|n| solved.shapes.iter().any(|s| s.0 == *n))
         .collect();
+    let shapes: Vec<Option<usize>> = common.iter().map(|name| arkit_shape(name)).collect();
     let bridge = |columns: &Columns| {
         let of = |name: &&str| {
             let column = columns.shapes.iter().find(|s| s.0 == *name);
             column.map(|s| s.1).unwrap_or_default()
         };
-        let shape = |name: &&str| arkit_shape(name).map(|shape| ShapeSet::of([shape]));
-        let shapes: Vec<_> = common.iter().map(shape).collect();
+        let shapes: Vec<_> = shapes
+            .iter()
+            .map(|s| s.map(|shape| ShapeSet::of([shape])))
+            .collect();
         FaceBridge::new(common.iter().map(of).collect()).with_opposites(opposite_controls(&shapes))
     };
     let there = bridge(made);
+    let undone = undone(&common, &shapes);
     let mut back = bridge(solved).solver([true; LOW_FAP_COUNT]);
     let mut random = Random(11);
     let mut errors = vec![0.0_f32; common.len()];
     for _ in 0..POSES {
-        let weights = pose(&common, active, &mut random);
+        let weights = pose(&undone, active, &mut random);
         let found = back.solve(&quantised(there.faps(&weights)));
         for (error, (a, b)) in errors.iter_mut().zip(weights.iter().zip(&found.weights)) {
             *error += (a - b).abs() / POSES as f32;
@@ -157,20 +161,25 @@ fn measured(made: &Columns, solved: &Columns, active: usize) -> Way {
     }
 }
 
-/// Weights of a pose without shapes that undo each other.
-fn pose(names: &[&str], active: usize, random: &mut Random) -> Vec<f32> {
-    let undoes = |a: &str, b: &str| {
-        let pair = [arkit_shape(a), arkit_shape(b)];
-        let closes = [a, b] == CLOSED || [b, a] == CLOSED;
-        closes || matches!(pair, [Some(a), Some(b)] if are_opposite(a, b))
+/// For each shape, those that it undoes.
+fn undone(names: &[&str], shapes: &[Option<usize>]) -> Vec<Vec<usize>> {
+    let undoes = |a: usize, b: usize| {
+        let pair = [names[a], names[b]];
+        let closes = pair == CLOSED || [pair[1], pair[0]] == CLOSED;
+        closes || matches!([shapes[a], shapes[b]], [Some(a), Some(b)] if are_opposite(a, b))
     };
-    let mut weights = vec![0.0; names.len()];
+    let of = |a| (0..names.len()).filter(|b| undoes(a, *b)).collect();
+    (0..names.len()).map(of).collect()
+}
+
+/// Weights of a pose without shapes that undo each other.
+fn pose(undone: &[Vec<usize>], active: usize, random: &mut Random) -> Vec<f32> {
+    let mut weights = vec![0.0; undone.len()];
     let mut left = active;
     // Each try is random; with half of all shapes active some tries are in vain.
     for _ in 0..100 * active {
-        let shape = (random.unit() * names.len() as f32) as usize % names.len();
-        let active = names.iter().zip(&weights).filter(|(_, w)| **w > 0.0);
-        let blocked = active.map(|(n, _)| n).any(|n| undoes(n, names[shape]));
+        let shape = (random.unit() * undone.len() as f32) as usize % undone.len();
+        let blocked = undone[shape].iter().any(|other| weights[*other] > 0.0);
         if left > 0 && weights[shape] == 0.0 && !blocked {
             weights[shape] = 0.05 + 0.95 * random.unit();
             left -= 1;
