@@ -13,7 +13,7 @@ const TURN_RADIANS: f32 = 0.35;
 /// Returns a warning for each clip that begins with a frame of another pose, and for each that turns
 /// every time it repeats.
 pub(super) fn oddities(opened: &CharacterFile) -> Vec<Warning> {
-    if !opened.mapping.humanoid && opened.character.articulation.is_none() {
+    if opened.character.articulation.is_none() && !opened.mapping().humanoid {
         return Vec::new();
     }
     let articulation = opened.articulation();
