@@ -61,6 +61,9 @@ for (const frame of FRAMES) {
   });
 }
 
+/** The bits of 1 as a float. */
+const ONE = 0x3f800000;
+
 test("what is off by one is seen", () => {
   const all = open("matrix");
   const stepped = open("matrix-stepped");
@@ -73,7 +76,7 @@ test("what is off by one is seen", () => {
   const faults = {
     "another palette": ["matrix", changed(all, "draws", 4, read(all, "draws", 4) + 1)],
     "another key": ["matrix", changed(all, "records", 0, read(all, "records", 0) + 1)],
-    "no blend": ["matrix", changed(all, "records", 8, 0)],
+    "another blend": ["matrix", changed(all, "records", 8, ONE)],
     "another step": ["matrix-stepped", changed(stepped, "stepped", 4, read(stepped, "stepped", 4) + 1)],
   };
   for (const [what, [frame, buffers]] of Object.entries(faults)) {

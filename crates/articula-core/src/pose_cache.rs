@@ -7,7 +7,9 @@
 //! character then costs one look-up per frame, of the two keys around its time
 //! ([`PoseCache::locate`]). The palettes are blended by the CPU ([`PoseCache::blend`]) or by a
 //! vertex shader ([`BlendRecord`]). Where palettes at equal distances in time are cached too, the
-//! nearest is shown as it is ([`PoseCache::nearest`]): nothing is blended, and nothing is written.
+//! nearest is shown as it is ([`PoseCache::nearest`]): nothing is blended, and nothing is written. A
+//! vertex shader blends any two, so its record names two of these where they are closer to the motion
+//! than the keys are ([`PoseCache::record`]).
 //!
 //! A character holds no key and no cursor. Its record is computed each frame from clip, level and
 //! time, so a change of clip or level needs no notification, and keys of different clips or levels
@@ -45,6 +47,8 @@ pub struct CachedSteps {
     /// Distance in metres between the skin of the nearest palette and that of the same level
     /// evaluated, as of [`CachedKeys::error_metres`].
     pub error_metres: f32,
+    /// The same with a blend of the two palettes around a time; `None` if it was not measured.
+    pub blend_error_metres: Option<f32>,
 }
 
 /// Matrices of all cached palettes, three rows each.
@@ -108,6 +112,7 @@ struct Steps {
     /// Matrices from one palette to the next.
     matrices: u32,
     error_metres: f32,
+    blend_error_metres: Option<f32>,
 }
 
 /// Cached palettes of one rig at key times, by clip and level, shared by all characters.
@@ -290,13 +295,16 @@ impl PoseCache {
             count,
             first_matrix,
             error_metres,
+            blend_error_metres,
         } = steps;
         if count == 0 || count == 1 && end_secs > 0.0 {
             let what =
                 format!("{count} palettes for {end_secs} s, from the first to the last time");
             return Err(Mismatch::new("count", what));
         }
-        self.check_palettes(count as usize, first_matrix, error_metres, of)?;
+        for error_metres in blend_error_metres.into_iter().chain([error_metres]) {
+            self.check_palettes(count as usize, first_matrix, error_metres, of)?;
+        }
         let per_sec = (count - 1) as f32 / end_secs;
         Ok(Steps {
             // A clip of almost no duration shows the first palette.
@@ -305,6 +313,7 @@ impl PoseCache {
             first_matrix,
             matrices: of.1 as u32,
             error_metres,
+            blend_error_metres,
         })
     }
 
@@ -414,6 +423,20 @@ impl PoseCache {
         self.steps_of(clip, level).map(|s| s.error_metres)
     }
 
+    /// Error in metres that the blend of a [record](PoseCache::record) adds to the level's own; `None` if
+    /// poses of this clip and level must be evaluated.
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
+    #[inline]
+    pub fn record_error_metres(&self, clip: usize, level: usize) -> Option<f32> {
+        let of_keys = self.error_metres(clip, level);
+        let of_steps = self
+            .steps_of(clip, level)
+            .and_then(|s| s.blend_error_metres);
+        of_keys.into_iter().chain(of_steps).reduce(f32::min)
+    }
+
     /// Times of the keys of a clip at a level in seconds; `None` as in [`PoseCache::error_metres`].
     ///
     /// # Panics
@@ -482,6 +505,52 @@ impl PoseCache {
         // The conversion saturates, and makes 0 of NaN.
         let step = (time_secs * steps.per_sec + 0.5) as u32;
         Some(steps.first_matrix + step.min(steps.last) * steps.matrices)
+    }
+
+    /// Finds the two palettes at equal distances in time around a time of a clip at a level, and the
+    /// blend between them, for character 0; `None` if there are none.
+    ///
+    /// Times before the first or after the last show that palette; NaN counts as 0. O(1), does not
+    /// allocate.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    #[inline]
+    pub fn between_steps(&self, clip: usize, level: usize, time_secs: f32) -> Option<BlendRecord> {
+        let steps = self.steps_of(clip, level)?;
+        // NaN falls through `max` to 0.
+        let at = (time_secs * steps.per_sec).max(0.0).min(steps.last as f32);
+        let step = at as u32;
+        let before = steps.first_matrix + step * steps.matrices;
+        let is_last = step == steps.last;
+        Some(BlendRecord {
+            before,
+            after: if is_last {
+                before
+            } else {
+                before + steps.matrices
+            },
+            blend: at - step as f32,
+            character: 0,
+        })
+    }
+
+    /// Finds the two cached palettes around a time of a clip at a level whose blend is closer to the
+    /// motion, those of keys or those at equal distances in time, and the blend between them, for
+    /// character 0; `None` if the pose must be evaluated. Otherwise as [`PoseCache::locate`].
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
+    #[inline]
+    pub fn record(&self, clip: usize, level: usize, time_secs: f32) -> Option<BlendRecord> {
+        let of_keys = self.error_metres(clip, level).unwrap_or(f32::INFINITY);
+        let of_steps = self
+            .steps_of(clip, level)
+            .and_then(|s| s.blend_error_metres);
+        match of_steps {
+            Some(of_steps) if of_steps < of_keys => self.between_steps(clip, level, time_secs),
+            _ => self.locate(clip, level, time_secs),
+        }
     }
 
     #[inline]

@@ -59,6 +59,22 @@ pub(super) fn measure_steps(
     shown_errors(cache, clips, (clip, ticks), map, (skins, levels), record)
 }
 
+/// The same of blends of the two around a time.
+pub(super) fn measure_step_blends(
+    cache: &PoseCache,
+    clips: &ClipSet,
+    (clip, ticks): (usize, &Ticks),
+    map: &PaletteMap,
+    (skins, levels): (&Skins, Range<usize>),
+) -> Result<Vec<ShownError>, Mismatch> {
+    let level = levels.start;
+    let record = |half: usize| {
+        let record = cache.between_steps(clip, level, ticks.secs(half));
+        [record.unwrap_or_default(); 2]
+    };
+    shown_errors(cache, clips, (clip, ticks), map, (skins, levels), record)
+}
+
 /// Errors of what is shown just before and just after each half tick.
 fn shown_errors(
     cache: &PoseCache,

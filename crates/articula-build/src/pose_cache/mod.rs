@@ -14,7 +14,7 @@
 //!
 //! Beside keys, levels have palettes at equal distances in time, each to be shown as it is
 //! ([`CachedSteps`]): so many that they too are within the tolerance, or two for each frame of a
-//! display.
+//! display. A renderer that blends may blend two of these as well, whose error is measured too.
 
 mod bake;
 mod beyond;
@@ -33,7 +33,7 @@ use articula_core::{
 };
 use bake::{Keys, Steps, bake, bytes_of};
 use keys::{Chosen, Ticks, choose};
-use measure::{measure, measure_steps};
+use measure::{measure, measure_step_blends, measure_steps};
 use skins::Skins;
 use steps::wanted_steps;
 
@@ -127,6 +127,10 @@ pub struct CacheReport {
     pub step_bytes: usize,
     /// Error of showing the nearest of them, as of `error_metres`.
     pub step_error_metres: f32,
+    /// Error of a blend of the two of them around a time, as of `error_metres`.
+    pub step_blend_metres: f32,
+    /// Maximum error of such a blend over all vertices, in metres.
+    pub step_blend_worst_metres: f32,
 }
 
 /// A pose cache and a report of its contents.
@@ -203,12 +207,16 @@ pub fn cached_poses(
         };
         let ticks = Ticks::of_steps(count, clips.duration_secs(clip));
         let of = (&skins, owner..all);
-        let errors = measure_steps(&unmeasured, clips, (clip, &ticks), map, of)?;
+        let errors = measure_steps(&unmeasured, clips, (clip, &ticks), map, of.clone())?;
+        let blends = measure_step_blends(&unmeasured, clips, (clip, &ticks), map, of)?;
         let stepped = steps[clip].iter_mut().zip(&mut plans[clip]).skip(owner);
-        for ((steps, plan), error) in stepped.zip(errors) {
+        for ((steps, plan), (error, blend)) in stepped.zip(errors.into_iter().zip(blends)) {
             let Some(steps) = steps else { continue };
             steps.error_metres = error.judged_metres();
+            steps.blend_error_metres = Some(blend.judged_metres());
             plan.report.step_error_metres = steps.error_metres;
+            plan.report.step_blend_metres = blend.judged_metres();
+            plan.report.step_blend_worst_metres = blend.worst_metres;
         }
     }
     Ok(CachedPoses {
@@ -363,6 +371,8 @@ fn planned(
             steps: 0,
             step_bytes: 0,
             step_error_metres: 0.0,
+            step_blend_metres: 0.0,
+            step_blend_worst_metres: 0.0,
         };
         Plan {
             times_secs: chosen.times_secs,
@@ -490,6 +500,7 @@ fn placed(
                     count: plan.report.steps as u32,
                     first_matrix,
                     error_metres: 0.0,
+                    blend_error_metres: None,
                 });
             }
         }

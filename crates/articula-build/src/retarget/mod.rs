@@ -51,7 +51,7 @@ mod twist;
 pub use driven::NotDriven;
 pub use finding::{BodyEnd, RetargetFinding};
 pub use hands::{is_hands_alone, retarget_hands};
-pub use oddities::{first_frame_jump, turn_of_repeat};
+pub use oddities::ClipOddities;
 pub use pair::Retargeter;
 pub use planted::ContactPinning;
 pub use quality::{EndEffectorError, FootSlide, RetargetQuality};

@@ -110,6 +110,12 @@ impl Figure {
         self.apart(level, secs, &self.shown(made, level, record))
     }
 
+    /// The same with a blend of the two steps around the time.
+    fn step_blend_error(&self, made: &CachedPoses, level: usize, secs: f32) -> (f32, f32) {
+        let record = made.cache.between_steps(0, level, secs).unwrap();
+        self.apart(level, secs, &self.shown(made, level, record))
+    }
+
     fn apart(&self, level: usize, secs: f32, shown: &[Vec3]) -> (f32, f32) {
         let truth = self.evaluated(level, secs);
         let apart = truth.iter().zip(shown).map(|(t, s)| t.distance(*s));
@@ -190,6 +196,42 @@ proptest! {
                 prop_assert!(
                     percentile <= stated + noise && worst <= 2.0 * stated + noise,
                     "level {}: {percentile} and {worst} m at {} s, stated {report:?}", report.level, at * end
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_stated_error_of_blended_steps_and_of_records_holds_at_any_time(
+        rows in rows(),
+        at in prop::collection::vec(0.0f32..1.0, 24),
+        half in any::<bool>(),
+    ) {
+        let figure = prepared(asset(&rows));
+        let opts = CacheOptions {
+            form: if half { PaletteForm::HalfMatrix } else { PaletteForm::Matrix },
+            ..CacheOptions::default()
+        };
+        let made = figure.cached(&opts);
+        let end = figure.clips.duration_secs(0);
+        let noise = if half { 2.0 * 4.0 * 4.0 / 4096.0 } else { ROUNDING_METRES };
+        for report in made.report.iter().filter(|r| r.steps > 0) {
+            let (stated, worst_stated) = (report.step_blend_metres, report.step_blend_worst_metres);
+            let of_keys = made.cache.error_metres(0, report.level);
+            let of_record = made.cache.record_error_metres(0, report.level).unwrap();
+            prop_assert_eq!(of_record, of_keys.unwrap_or(f32::INFINITY).min(stated));
+            for at in &at {
+                let (percentile, worst) = figure.step_blend_error(&made, report.level, at * end);
+                prop_assert!(
+                    percentile <= stated + noise && worst <= worst_stated + noise,
+                    "level {}: {percentile} and {worst} m at {} s, stated {report:?}", report.level, at * end
+                );
+                let record = made.cache.record(0, report.level, at * end).unwrap();
+                let shown = figure.shown(&made, report.level, record);
+                let (percentile, worst) = figure.apart(report.level, at * end, &shown);
+                prop_assert!(
+                    percentile <= of_record + noise && worst <= 2.0 * of_record + noise,
+                    "level {}: {percentile} and {worst} m at {} s, stated {of_record}", report.level, at * end
                 );
             }
         }
@@ -306,6 +348,12 @@ fn the_stated_error_holds_for_every_vertex_of_a_character() {
             "{most} m, {report:?}"
         );
         assert!(most >= 0.5 * stated, "{most} m, {report:?}");
+        let errors = (0..1000).map(|at| figure.step_blend_error(&made, report.level, secs(at)));
+        let most = errors.map(|e| e.1).fold(0.0, f32::max);
+        let stated = report.step_blend_worst_metres;
+        assert!(most <= stated + ROUNDING_METRES, "{most} m, {report:?}");
+        // Half of the bend of the true path in a tick is added, and at 120 Hz a tick is all of a span.
+        assert!(most >= 0.25 * stated, "{most} m, {report:?}");
     }
     assert!(stepped > 1);
 }

@@ -42,7 +42,7 @@ impl CachedDraw for BlendRecord {
     #[inline]
     fn at(model: &CrowdModel, level: usize, state: ClipState, character: u32) -> Self {
         let cache = model.parts().cache.as_ref();
-        let located = cache.and_then(|c| c.locate(state.clip(), level, state.secs));
+        let located = cache.and_then(|c| c.record(state.clip(), level, state.secs));
         located.unwrap_or_default().of(character)
     }
 }

@@ -195,7 +195,8 @@ impl Crowd {
         let mut records = [BlendRecord::default(); MAX_LANES];
         for (record, character) in records.iter_mut().zip(self.plan.posed(batch)) {
             let state = self.clip_state(character);
-            *record = BlendRecord::at(model, batch.level(), state, character as u32);
+            let located = cache.locate(state.clip(), batch.level(), state.secs);
+            *record = located.unwrap_or_default();
         }
         let records = &records[..batch.poses()];
         cache.blend(batch.level(), records, model.parts().backend, out);

@@ -107,7 +107,8 @@ impl Source {
     pub(super) fn added_metres(self, parts: &CrowdParts, clip: usize, level: usize) -> Option<f32> {
         match self {
             Self::Clip | Self::Blend | Self::Impostor => Some(0.0),
-            Self::Cached | Self::Record => parts.cache.as_ref()?.error_metres(clip, level),
+            Self::Cached => parts.cache.as_ref()?.error_metres(clip, level),
+            Self::Record => parts.cache.as_ref()?.record_error_metres(clip, level),
             Self::Step => parts.cache.as_ref()?.step_error_metres(clip, level),
         }
     }

@@ -87,6 +87,7 @@ fn steps(count: u32, first_matrix: u32) -> Option<CachedSteps> {
         count,
         first_matrix,
         error_metres: 0.5,
+        blend_error_metres: None,
     })
 }
 
@@ -139,6 +140,65 @@ fn steps_by_hand() {
         ..s
     });
     assert_eq!(at(&[vec![nan], vec![None]]), "steps[0][0].error_metres");
+}
+
+#[test]
+fn records_of_the_closer_palettes_by_hand() {
+    let (clips, map) = parts();
+    // Keys at matrices 1 to 4, within 0.25 m; steps at 5 to 9, a quarter of a second apart.
+    let of_keys = [
+        vec![keys(&[0.0, 0.125, 0.25, 1.0], 1)],
+        vec![keys(&[0.0], 0)],
+    ];
+    let cache = |of_keys: &[Vec<Option<CachedKeys>>], error: Option<f32>| {
+        let blended = |s: CachedSteps| CachedSteps {
+            blend_error_metres: error,
+            ..s
+        };
+        let of_steps = [
+            vec![steps(5, 5).map(blended)],
+            vec![steps(1, 0).map(blended)],
+        ];
+        let cache = PoseCache::new(&clips, &map, of_keys, rows(10)).unwrap();
+        cache.with_steps(&clips, &of_steps)
+    };
+    let record = |cache: &PoseCache, clip, secs| {
+        let r = cache.record(clip, 0, secs).unwrap();
+        (r.before, r.after, r.blend)
+    };
+    let closer = cache(&of_keys, Some(0.125)).unwrap();
+    assert_eq!(closer.record_error_metres(0, 0), Some(0.125));
+    assert_eq!(closer.error_metres(0, 0), Some(0.25), "of keys");
+    for (secs, expected) in [
+        (0.0, (5, 6, 0.0)),
+        (0.0625, (5, 6, 0.25)),
+        (0.25, (6, 7, 0.0)),
+        (0.875, (8, 9, 0.5)),
+        (1.0, (9, 9, 0.0)),
+        (7.0, (9, 9, 0.0)),
+        (f32::INFINITY, (9, 9, 0.0)),
+        (-3.0, (5, 6, 0.0)),
+        (f32::NAN, (5, 6, 0.0)),
+    ] {
+        assert_eq!(record(&closer, 0, secs), expected, "at {secs} s");
+        assert_eq!(record(&closer, 1, secs), (0, 0, 0.0), "a single pose");
+    }
+    // Not closer, or not measured: those of keys.
+    for error in [Some(0.25), Some(0.5), None] {
+        let made = cache(&of_keys, error).unwrap();
+        assert_eq!(made.record_error_metres(0, 0), Some(0.25));
+        assert_eq!(record(&made, 0, 0.4375), (3, 4, 0.25));
+    }
+    // Without keys, where blends of steps were measured.
+    let none = [vec![None], vec![None]];
+    let alone = cache(&none, Some(0.5)).unwrap();
+    assert_eq!(alone.record_error_metres(0, 0), Some(0.5));
+    assert_eq!(record(&alone, 0, 0.0625), (5, 6, 0.25));
+    let unknown = cache(&none, None).unwrap();
+    let found = (unknown.record_error_metres(0, 0), unknown.record(0, 0, 0.0));
+    assert_eq!(found, (None, None));
+    let wrong = cache(&of_keys, Some(-1.0)).unwrap_err();
+    assert_eq!(wrong.at, "steps[0][0].error_metres");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use articula_core::crowd::{
     Frame,
 };
 use articula_core::visibility::View;
-use articula_core::{CachedKeys, CachedRows, CachedSteps, PaletteRows, PoseCache};
+use articula_core::{BlendRecord, CachedKeys, CachedRows, CachedSteps, PaletteRows, PoseCache};
 use glam::{Quat, Vec3};
 
 /// Palettes of each clip at each level but the finest.
@@ -18,6 +18,11 @@ const BLEND_METRES: f32 = 0.005;
 
 /// The model with palettes in its cache that are shown as they are.
 pub(crate) fn with_steps(model: CrowdModel) -> CrowdModel {
+    with_blended_steps(model, None)
+}
+
+/// The same with a stated error of blends of two of them.
+fn with_blended_steps(model: CrowdModel, blend_error_metres: Option<f32>) -> CrowdModel {
     let clips = &model.parts().clips;
     let evaluator = model.evaluator();
     let mut scratch = evaluator.scratch();
@@ -35,6 +40,7 @@ pub(crate) fn with_steps(model: CrowdModel) -> CrowdModel {
                 count: COUNT,
                 first_matrix: (rows.len() / 3) as u32,
                 error_metres: STEP_METRES,
+                blend_error_metres,
             });
             for i in 0..COUNT {
                 let secs = clips.duration_secs(clip) * i as f32 / (COUNT - 1) as f32;
@@ -251,6 +257,60 @@ fn the_cheapest_way_is_taken() {
             assert_eq!(stepped > 0, cache == CacheUse::Cpu);
         }
     }
+}
+
+/// The records for the GPU of a crowd within so many pixels, each of which is that of its character's time.
+fn recorded(model: &CrowdModel, px: f32) -> Vec<BlendRecord> {
+    let square = Square::new(300);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let mut crowd = crowd_of(model, 300);
+    let frame = Frame {
+        cache: CacheUse::Gpu,
+        ..frame(&square, &views, px)
+    };
+    let report = crowd.tick(model, &frame, &mut |_| {});
+    assert!(report.bound_px <= px + 1e-4);
+    let mut records = vec![BlendRecord::default(); report.cached];
+    crowd.evaluate_draws(model, 0..records.len(), &mut records);
+    let cache = model.parts().cache.as_ref().unwrap();
+    for record in &records {
+        let character = record.character as usize;
+        let state = crowd.state(character);
+        let state = state.clip_state();
+        let level = crowd.level(character).unwrap();
+        let expected = cache.record(state.clip(), level, state.secs()).unwrap();
+        assert_eq!(
+            (record.before, record.after),
+            (expected.before, expected.after)
+        );
+        assert_eq!(record.blend, expected.blend);
+    }
+    records
+}
+
+#[test]
+fn a_record_blends_steps_where_they_are_closer() {
+    let (rig, clips, sets) = fixed_figure();
+    let made = |error| with_blended_steps(with_cache(model(&rig, &clips, &sets)), error);
+    let of_steps = |model: &CrowdModel, px| {
+        let cache = model.parts().cache.as_ref().unwrap();
+        let first = cache.nearest(0, 1, 0.0).unwrap();
+        let found = recorded(model, px);
+        // Palettes of steps come behind those of all keys.
+        let of_steps = found.iter().filter(|r| r.before >= first).count();
+        (of_steps, found.len())
+    };
+    for px in [0.5, 2.0, 6.0] {
+        let (steps, all) = of_steps(&made(None), px);
+        assert_eq!(steps, 0);
+        let (steps, same) = of_steps(&made(Some(BLEND_METRES)), px);
+        assert_eq!((steps, same), (0, all));
+        let (steps, more) = of_steps(&made(Some(0.1 * BLEND_METRES)), px);
+        assert!(steps == more && more >= all, "{more}, {all} of keys");
+    }
+    let counts = [None, Some(0.1 * BLEND_METRES)].map(|error| of_steps(&made(error), 0.5).1);
+    assert!(counts[0] < counts[1], "{counts:?}");
 }
 
 #[test]

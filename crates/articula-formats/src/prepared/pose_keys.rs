@@ -9,8 +9,11 @@ use crate::limits::Limits;
 use articula_core::{CachedKeys, CachedSteps, JointLods};
 
 /// Version of the layout that is written: the second one has palettes that are shown as they are, in the
-/// third one levels may share palettes.
-pub const CACHE_KEYS_VERSION: u64 = 3;
+/// third one levels may share palettes, in the fourth one the latter have errors of blends too.
+pub const CACHE_KEYS_VERSION: u64 = 4;
+
+/// Stands for the error of a blend that was not measured.
+const NOT_MEASURED: f32 = -1.0;
 
 /// What a pose cache holds, for each clip and in it for each level.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -43,13 +46,15 @@ pub fn write_cache_keys(
             if let Some(steps) = steps {
                 out.count(steps.first_matrix as usize);
                 out.float(steps.error_metres);
+                out.float(steps.blend_error_metres.unwrap_or(NOT_MEASURED));
             }
         }
     }
     out.0
 }
 
-/// Decodes the output of [`write_cache_keys`], or keys of version 1, which have no steps.
+/// Decodes the output of [`write_cache_keys`], keys of version 1, which have no steps, or those of
+/// versions 2 and 3, whose steps have no errors of blends.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] with the byte offset, [`ReadError::LimitExceeded`].
@@ -86,6 +91,10 @@ pub fn read_cache_keys(
                     count: count as u32,
                     first_matrix: r.at_most(u32::MAX as usize, "a matrix")? as u32,
                     error_metres: r.float()?,
+                    blend_error_metres: match version {
+                        2 | 3 => None,
+                        _ => Some(r.float()?).filter(|e| *e != NOT_MEASURED),
+                    },
                 }),
             });
         }

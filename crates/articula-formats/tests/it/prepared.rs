@@ -230,10 +230,15 @@ fn cache_keys() -> CacheKeys {
         count: 200,
         first_matrix: 309,
         error_metres: 0.25,
+        blend_error_metres: Some(0.125),
+    };
+    let unblended = CachedSteps {
+        blend_error_metres: None,
+        ..steps
     };
     CacheKeys {
         keys: vec![vec![None, Some(keys.clone())], vec![Some(keys), None]],
-        steps: vec![vec![None, Some(steps)], vec![None, Some(steps)]],
+        steps: vec![vec![None, Some(steps)], vec![None, Some(unblended)]],
     }
 }
 
@@ -319,6 +324,30 @@ fn cache_keys_of_version_1_have_no_steps() {
         steps: vec![vec![None]],
     };
     assert_eq!(read_cache_keys(&bytes, 1, &limits()).unwrap(), expected);
+    assert!(read_cache_keys(&bytes, CACHE_KEYS_VERSION, &limits()).is_err());
+}
+
+/// Versions 2 and 3 had no errors of blends: a clip, a level, no keys, 200 palettes.
+#[test]
+fn cache_keys_of_versions_2_and_3_have_no_errors_of_blends() {
+    let mut bytes = vec![1, 1, 0, 0xc8, 0x01, 0xac, 0x02];
+    bytes.extend(0.25f32.to_le_bytes());
+    let steps = CachedSteps {
+        count: 200,
+        first_matrix: 300,
+        error_metres: 0.25,
+        blend_error_metres: None,
+    };
+    let expected = CacheKeys {
+        keys: vec![vec![None]],
+        steps: vec![vec![Some(steps)]],
+    };
+    for version in [2, 3] {
+        assert_eq!(
+            read_cache_keys(&bytes, version, &limits()).unwrap(),
+            expected
+        );
+    }
     assert!(read_cache_keys(&bytes, CACHE_KEYS_VERSION, &limits()).is_err());
 }
 

@@ -1,8 +1,8 @@
 //! What is odd about the clips of a human figure, told where they are read.
 
 use super::CharacterFile;
-use articula_build::retarget::{RetargetFigure, first_frame_jump, turn_of_repeat};
-use articula_core::source::RawClip;
+use articula_build::retarget::{ClipOddities, RetargetFigure};
+use articula_core::source::{Joint, RawClip};
 use articula_formats::{Assumption, Warning};
 
 /// Maximum number of clips that are looked at.
@@ -13,7 +13,7 @@ const TURN_RADIANS: f32 = 0.35;
 /// Returns a warning for each clip that begins with a frame of another pose, and for each that turns
 /// every time it repeats.
 pub(super) fn oddities(opened: &CharacterFile) -> Vec<Warning> {
-    if !opened.mapping.humanoid && opened.character.articulation.is_none() {
+    if opened.character.articulation.is_none() && !opened.mapping().humanoid {
         return Vec::new();
     }
     let articulation = opened.articulation();
@@ -22,11 +22,16 @@ pub(super) fn oddities(opened: &CharacterFile) -> Vec<Warning> {
         articulation: &articulation,
         clips: &[],
     };
+    // A figure that cannot be used is refused where it is.
+    let Ok(figure) = ClipOddities::new(&figure) else {
+        return Vec::new();
+    };
+    let joints = &opened.character.skeleton.joints;
     let clips = opened.character.clips.iter().take(MAX_CLIPS);
-    clips.flat_map(|clip| told(&figure, clip)).collect()
+    clips.flat_map(|clip| told(&figure, joints, clip)).collect()
 }
 
-fn told(figure: &RetargetFigure<'_>, clip: &RawClip) -> Vec<Warning> {
+fn told(figure: &ClipOddities<'_>, joints: &[Joint], clip: &RawClip) -> Vec<Warning> {
     let mut told = Vec::new();
     let mut tell = |what: String, guess| {
         told.push(Warning {
@@ -36,17 +41,15 @@ fn told(figure: &RetargetFigure<'_>, clip: &RawClip) -> Vec<Warning> {
         });
     };
     // A clip that cannot be sampled is refused where it is used.
-    if let Ok(Some((joint, radians))) = first_frame_jump(figure, clip) {
+    if let Ok(Some((joint, radians))) = figure.first_frame_jump(clip) {
         let what = format!(
             "the first frame is of another pose: {} jumps by {:.0} degrees",
-            figure.skeleton.joints[joint].name,
+            joints[joint].name,
             radians.to_degrees()
         );
         tell(what, Some(Assumption::FirstFrame));
     }
-    if let Ok(Some(radians)) = turn_of_repeat(figure, clip)
-        && radians.abs() > TURN_RADIANS
-    {
+    if let Ok(Some(radians)) = figure.turn_of_repeat(clip, TURN_RADIANS) {
         let what = format!(
             "it ends in the pose in which it begins, turned by {:.0} degrees: so does the figure each \
              time it repeats",

@@ -1,9 +1,10 @@
 //! Edits of an opened file, each with all that depends on it.
 
+use super::mapped_joints::MappedJoints;
 use super::{CharacterFile, Format, GltfSource};
-use articula_build::joint_names::{self, JointMapping};
+use articula_build::joint_names::JointMapping;
 use articula_core::source::{Character, RawClip};
-use articula_formats::{Assumption, Warning, joint_map};
+use articula_formats::{Assumption, Warning};
 use glam::Vec3;
 
 impl CharacterFile {
@@ -58,7 +59,7 @@ impl CharacterFile {
     /// Maps the joints by name, and drops the end sites of joints that are gone.
     fn map_again(&mut self) {
         let skeleton = &self.character.skeleton;
-        self.mapping = joint_names::map(skeleton, joint_map::builtin(), None);
+        self.mapping = MappedJoints::by_name(skeleton);
         let joints = skeleton.joints.len();
         self.end_sites.retain(|(joint, _)| *joint < joints);
     }
@@ -117,7 +118,7 @@ impl CharacterFile {
         gltf: Option<GltfSource>,
     ) {
         self.character = character;
-        self.mapping = mapping;
+        self.mapping = mapping.into();
         self.end_sites = end_sites;
         self.gltf = gltf;
         self.clips_changed = true;
@@ -134,13 +135,15 @@ impl CharacterFile {
                     new_index[old] = Some(new);
                 }
             }
-            keep_joints(&mut self.mapping, &new_index);
+            let mut mapping = self.mapping().clone();
+            keep_joints(&mut mapping, &new_index);
+            self.mapping = mapping.into();
         }
         self.character = character;
         self.gltf = Some(gltf);
         self.parameters = None;
         self.clips_changed = false;
-        if self.mapping.articulation.joints.len() != self.character.skeleton.joints.len() {
+        if self.mapping().articulation.joints.len() != self.character.skeleton.joints.len() {
             self.map_again();
         }
     }

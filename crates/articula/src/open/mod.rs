@@ -21,6 +21,7 @@ mod format;
 mod human;
 mod keep_meshes;
 mod keep_morphs;
+mod mapped_joints;
 mod motion;
 #[cfg(feature = "streams")]
 mod motion_stream;
@@ -58,14 +59,14 @@ use no_streams as streams;
 use crate::error::{Context, Error, Result};
 use crate::prepared::state::StoredState;
 use crate::prepared::stored::Stored;
-use articula_build::joint_names::{JointMapping, map_as_told};
+use articula_build::joint_names::JointMapping;
 use articula_core::Articulation;
 use articula_core::face_control::FaceMap;
 use articula_core::joint_names::JointMap;
 use articula_core::source::Character;
-use articula_formats::joint_map;
 use articula_formats::mpeg4::bap::BapClip;
 use articula_formats::{Resolver, Warning};
+use mapped_joints::MappedJoints;
 
 /// An opened file: its character, and the data needed to write it back.
 ///
@@ -79,7 +80,7 @@ pub struct CharacterFile {
     bytes: usize,
     character: Character,
     clips_changed: bool,
-    mapping: JointMapping,
+    mapping: MappedJoints,
     gltf: Option<GltfSource>,
     end_sites: Vec<(usize, glam::Vec3)>,
     parameters: Option<BapClip>,
@@ -182,12 +183,11 @@ impl Input<'_, '_> {
         warnings: Vec<Warning>,
         given: Option<&[(usize, String)]>,
     ) -> CharacterFile {
-        let (skeleton, builtin) = (&character.skeleton, joint_map::builtin());
         CharacterFile {
             name: self.name.to_owned(),
             format: self.format,
             bytes: self.bytes.len(),
-            mapping: map_as_told(skeleton, self.joint_maps, builtin, given),
+            mapping: MappedJoints::of_file(&character.skeleton, self.joint_maps, given),
             character,
             clips_changed: false,
             gltf: None,
@@ -217,11 +217,7 @@ impl CharacterFile {
             name: name.to_owned(),
             format: Format::Glb,
             bytes: 0,
-            mapping: articula_build::joint_names::map(
-                &character.skeleton,
-                joint_map::builtin(),
-                None,
-            ),
+            mapping: MappedJoints::by_name(&character.skeleton),
             character,
             clips_changed: false,
             gltf: None,
@@ -264,8 +260,10 @@ impl CharacterFile {
 
     /// Returns the H-Anim joint, level and region of the joints, from the file's own map or from joint
     /// names.
+    ///
+    /// It is found when it is first asked for, of the joints as they were when the file was opened.
     pub fn mapping(&self) -> &JointMapping {
-        &self.mapping
+        self.mapping.get()
     }
 
     /// Returns the document of a glTF file, which is preserved when it is written; `None` for other
@@ -317,7 +315,7 @@ impl CharacterFile {
     /// from joint names.
     pub fn articulation(&self) -> Articulation {
         let stored = self.character.articulation.clone();
-        stored.unwrap_or_else(|| self.mapping.articulation.clone())
+        stored.unwrap_or_else(|| self.mapping().articulation.clone())
     }
 }
 

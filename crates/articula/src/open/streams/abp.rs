@@ -48,7 +48,7 @@ fn open_motion(input: &Input<'_, '_>) -> Result<CharacterFile> {
         ..Character::default()
     };
     let mut opened = input.opened(character, warnings.into_iter().collect(), None);
-    let mut known = opened.mapping.articulation.clone();
+    let mut known = opened.mapping().articulation.clone();
     for (joint, carried) in known.joints.iter_mut().zip(&articulation.joints) {
         (joint.level, joint.region) = (carried.level, carried.region);
     }
@@ -69,7 +69,7 @@ fn opened(input: &Input<'_, '_>, clip: &Abp1Clip) -> Result<CharacterFile> {
     }
     let (character, warnings) = abp1::to_character(clip);
     let mut opened = input.opened(character, warnings, None);
-    let mut articulation = opened.mapping.articulation.clone();
+    let mut articulation = opened.mapping().articulation.clone();
     abp1::set_articulation(&clip.bones, &mut articulation);
     opened.character.articulation = Some(articulation);
     opened.scale_lengths(input.options.unit_metres);

@@ -21,35 +21,43 @@ pub(crate) struct Member {
     pub(crate) level: Option<usize>,
 }
 
+/// What is shown of a cache in a frame.
+#[derive(Clone, Copy)]
+pub(crate) struct Shown<'a> {
+    pub(crate) cache: Option<&'a PoseCache>,
+    pub(crate) is_by_gpu: bool,
+    /// Characters of records, and those of stepped draws.
+    pub(crate) recorded: &'a [u32],
+    pub(crate) stepped: &'a [u32],
+}
+
 /// All shown characters, as JSON: matrices of each skin's joints in the order of its source, `null` for
 /// joints that the level drops; weights; world transforms.
 ///
-/// Poses of `cache` are those of its two key times, blended matrix by matrix, and of the characters
-/// `stepped` those at the nearest of the equal parts of the clip.
-pub(crate) fn expected(
-    figure: &Figure,
-    members: &[Member],
-    (cache, is_by_gpu, stepped): (Option<&PoseCache>, bool, &[u32]),
-) -> Value {
+/// Poses of the cache are those of its two key times, of a record perhaps those of two equal parts of the clip, blended
+/// matrix by matrix; of stepped characters those at the nearest of these parts.
+pub(crate) fn expected(figure: &Figure, members: &[Member], shown: Shown<'_>) -> Value {
     let names = |j: &usize| figure.asset.rig.name(*j).to_owned();
     let skins = figure.skins.iter().map(|skin| {
         let binds: Vec<Value> = skin.inverse_bind.iter().map(numbers).collect();
         json!({"joints": skin.joints.iter().map(names).collect::<Vec<_>>(), "inverse_bind": binds})
     });
-    let shown = members.iter().enumerate();
-    let shown = shown.filter_map(|(c, member)| Some((c, member, member.level?)));
-    let characters = shown.map(|(c, member, level)| {
-        let is_step = stepped.contains(&(c as u32));
+    let all = members.iter().enumerate();
+    let all = all.filter_map(|(c, member)| Some((c, member, member.level?)));
+    let characters = all.map(|(c, member, level)| {
+        let source = match c as u32 {
+            c if shown.stepped.contains(&c) => "stepped",
+            c if shown.recorded.contains(&c) => "record",
+            _ => "draw",
+        };
+        let keys = keys(figure, member, level, (shown, source));
         let matrices = figure.skins.iter().map(|skin| {
             let all = skin.joints.iter().zip(&skin.inverse_bind);
             let of = |(joint, bind): (&usize, &Affine3A)| match level > 0
                 && !KEPT.contains(&names(joint).as_str())
             {
                 true => Value::Null,
-                false => {
-                    let cache = cache.map(|cache| (cache, level, is_step));
-                    matrix(figure, member, cache, (*joint, bind))
-                }
+                false => matrix(figure, member, &keys, (*joint, bind)),
             };
             all.map(of).collect::<Vec<_>>()
         });
@@ -61,11 +69,7 @@ pub(crate) fn expected(
         json!({
             "character": c,
             "level": level,
-            "source": match cache.and_then(|c| key_times(c, level, member)) {
-                _ if is_step => "stepped",
-                Some(_) if is_by_gpu => "record",
-                _ => "draw",
-            },
+            "source": source,
             "matrices": matrices.collect::<Vec<_>>(),
             "morph_weights": (level == 0).then(|| weights(figure, member)),
             "world": numbers(&world),
@@ -74,20 +78,15 @@ pub(crate) fn expected(
     json!({"skins": skins.collect::<Vec<_>>(), "characters": characters.collect::<Vec<_>>()})
 }
 
-/// The matrix of one joint and bind matrix, from one pose or blended from the two of a record.
+/// The matrix of one joint and bind matrix, from one pose or blended from those at two of the times.
 fn matrix(
     figure: &Figure,
     member: &Member,
-    cache: Option<(&PoseCache, usize, bool)>,
+    keys: &[f32],
     (joint, bind): (usize, &Affine3A),
 ) -> Value {
     let (clip, secs) = member.shows;
     let at = |secs: f32| posed(figure, (clip, secs), member.fades_to).matrices[joint] * *bind;
-    let keys = cache.and_then(|(cache, level, is_step)| match is_step {
-        true => Some(vec![nearest_step(figure, cache, level, member)]),
-        false => key_times(cache, level, member),
-    });
-    let keys = keys.unwrap_or_else(|| vec![secs]);
     let after = keys.iter().position(|key| *key > secs);
     let after = after.unwrap_or(keys.len() - 1);
     let before = after.saturating_sub(usize::from(keys[after] > secs));
@@ -102,22 +101,42 @@ fn matrix(
     rounded((0..12).map(mixed))
 }
 
-/// Key times of the clip that a member plays, if it may be shown by a record.
-fn key_times(cache: &PoseCache, level: usize, member: &Member) -> Option<Vec<f32>> {
-    let keys = cache.times_secs(member.shows.0, level)?;
-    member.fades_to.is_none().then(|| keys.collect())
+/// The times of the poses that a member is shown in or between; its own where it is evaluated.
+fn keys(
+    figure: &Figure,
+    member: &Member,
+    level: usize,
+    (shown, source): (Shown<'_>, &str),
+) -> Vec<f32> {
+    let (clip, secs) = member.shows;
+    let Some(cache) = shown.cache.filter(|_| member.fades_to.is_none()) else {
+        return vec![secs];
+    };
+    let of_keys = cache.error_metres(clip, level);
+    if source == "record" && cache.record_error_metres(clip, level) != of_keys {
+        return steps(figure, cache, level, clip);
+    }
+    let apart = |step: &f32| (step - secs).abs();
+    let nearest = |steps: Vec<f32>| {
+        let of = |a: &f32, b: &f32| apart(a).total_cmp(&apart(b));
+        steps.into_iter().min_by(of).unwrap()
+    };
+    match (source, cache.times_secs(clip, level)) {
+        ("stepped", _) => vec![nearest(steps(figure, cache, level, clip))],
+        ("record", Some(keys)) => keys.collect(),
+        (_, Some(keys)) if !shown.is_by_gpu => keys.collect(),
+        _ => vec![secs],
+    }
 }
 
-/// The nearest of the equal parts of the clip that a member plays.
-fn nearest_step(figure: &Figure, cache: &PoseCache, level: usize, member: &Member) -> f32 {
-    let (clip, secs) = member.shows;
+/// The times between the equal parts of a clip.
+fn steps(figure: &Figure, cache: &PoseCache, level: usize, clip: usize) -> Vec<f32> {
     // The palettes of the parts follow each other.
     let [first, last] = [0.0, f32::MAX].map(|t| cache.nearest(clip, level, t).unwrap() as usize);
     let spans = (last - first) / cache.matrices(level);
     let end_secs = figure.asset.clips[clip].duration_secs();
-    let steps = (0..=spans).map(|i| end_secs * i as f32 / spans as f32);
-    let apart = |step: &f32| (step - secs).abs();
-    steps.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap()
+    let part = |i: usize| end_secs * i as f32 / spans as f32;
+    (0..=spans).map(part).collect()
 }
 
 fn posed(
