@@ -8,7 +8,7 @@
 //! from frame to frame ([`LearnedCost`]). Measured times are arguments, so recorded ones give the same
 //! frames.
 
-use super::demand::{Costs, Demand, PricedDemand};
+use super::demand::{Costs, Demand, PricedDemand, Tolerances};
 use super::frame::Detail;
 use super::learned_cost::{LearnedCost, Times};
 use super::model::CrowdModel;
@@ -42,6 +42,18 @@ const SPARED: f64 = 0.85;
 const WORTH_TRIANGLES: f32 = 0.9;
 /// Nominal cost over the least one that any tolerance has: what is saved below it is not worth the error.
 const WORTH: f64 = 1.01;
+/// The same up to which a tolerance at the floor is kept, unless that which would do is finer by the factor.
+const FLOOR: f64 = 1.03;
+const FINER_AT_FLOOR: f32 = 1.5;
+
+/// Frames in which the costs of all tolerances are found anew, with one list of options after the other, and fewer
+/// where they are not known.
+const SWEEP: usize = 32;
+const URGENT_SWEEP: usize = 8;
+/// Part of the limit up to which nothing has to be given up soon, so that no costs of tolerances are found.
+const REST: f64 = 0.9;
+/// Frames at rest after which the costs of tolerances are not known any more.
+const REMEMBERED: f32 = 64.0;
 
 /// A limit to the processor time of all crowds of a frame together.
 ///
@@ -75,6 +87,10 @@ pub struct Budget {
     fit: f32,
     /// Frames since the allowance changed.
     held: u32,
+    /// Whether the expected time is so far below the limit that costs of other tolerances are not needed, and how
+    /// much of the lists of options has to be summed up for them to be known.
+    rests: bool,
+    unknown_lists: f32,
 }
 
 /// What is known of a crowd of this frame.
@@ -104,6 +120,8 @@ pub struct BudgetReport {
     pub next: Allowance,
     /// Error that should not be exceeded, pixels.
     pub cap_px: f32,
+    /// Whether the expected time is so far below the limit that the frame costs as much as without a budget.
+    pub rests: bool,
 }
 
 /// What a frame gave up for its budget.
@@ -161,6 +179,8 @@ impl Budget {
             learned: LearnedCost::new(),
             fit: 1.0,
             held: 0,
+            rests: false,
+            unknown_lists: 0.0,
         }
     }
 
@@ -180,23 +200,35 @@ impl Budget {
     }
 
     /// Adds a crowd that was ticked with this detail; crowds are added in the same order in each frame,
-    /// which [`observe`](Self::observe) ends. The cost of its characters by tolerance is found anew for a part of it;
-    /// O(characters / 32). Does not allocate but in the first frame of a crowd.
+    /// which [`observe`](Self::observe) ends. The cost of its characters by tolerance is found anew for a part of it,
+    /// O(characters / 32), unless the limit is far from being reached. Does not allocate but in the first frame of a
+    /// crowd.
     pub fn add(&mut self, crowd: &mut Crowd, model: &CrowdModel) {
+        // Whoever has a level keeps it at a tighter tolerance, and near ones become coarser up to theirs.
+        let [least_px, most_px] = [self.cap_px, self.allowance.near_px].map(|px| KEPT * px);
+        let tolerances = Tolerances::new(least_px, most_px);
+        let frames = self.sweep_frames();
         self.crowds.push(OfCrowd {
             work_ns: crowd.work_ns(model),
-            // Near ones become coarser up to there.
-            demands: crowd.demand(model, KEPT * self.allowance.near_px).clone(),
+            demands: crowd.demand(model, tolerances, frames).clone(),
         });
+    }
+
+    /// Frames in which the costs of tolerances are found anew; 0 for none.
+    fn sweep_frames(&self) -> usize {
+        match self.unknown_lists > 0.0 {
+            _ if self.rests => 0,
+            true => URGENT_SWEEP,
+            false => SWEEP,
+        }
     }
 
     /// Ends the frame with the nanoseconds that the ticks and the evaluation of all crowds took,
     /// summed over threads, and sets what the next one is allowed. Times that are not positive and
     /// finite change nothing.
     pub fn observe(&mut self, tick_ns: f64, evaluate_ns: f64) -> BudgetReport {
-        let shown = self.allowance;
         let crowds = std::mem::take(&mut self.crowds);
-        let list = usize::from(shown.by_processor);
+        let list = usize::from(self.allowance.by_processor);
         let work = crowds.iter().map(|c| c.work_ns);
         let expected_ns = self.learned.tick_ns(list) + self.learned.evaluate_ns(work.clone());
         let is_time = |ns: f64| ns > 0.0 && ns.is_finite();
@@ -210,10 +242,68 @@ impl Budget {
             };
             self.learned.learn(times, work.clone());
             self.held = self.held.saturating_add(1);
+            self.rest(self.learned.evaluate_ns(work));
         }
-        let tables = self.tables(&crowds);
+        let report = match self.rests {
+            true => self.rested(&crowds, expected_ns),
+            false => self.looked_ahead(&crowds, expected_ns, is_known),
+        };
+        // The space is used again.
+        self.crowds = crowds;
+        self.crowds.clear();
+        report
+    }
+
+    /// Finds out whether costs of other tolerances are needed, by the expected time of evaluation.
+    fn rest(&mut self, evaluate_ns: f64) {
+        let swept = match self.sweep_frames() {
+            0 => -1.0 / REMEMBERED,
+            frames => 1.0 / frames as f32,
+        };
+        self.unknown_lists = (self.unknown_lists - swept).clamp(0.0, 2.0);
+        let now = self.allowance;
+        let has_settled = self.held >= u32::from(now.frames) && !now.by_processor;
+        let expected_ns = self.learned.tick_ns(0) + evaluate_ns;
+        self.rests = has_settled && now.px == self.cap_px && expected_ns <= REST * self.all_ns();
+    }
+
+    /// Time of a frame that is aimed at.
+    fn all_ns(&self) -> f64 {
+        ALLOWED * self.limit_ns / self.learned.margin()
+    }
+
+    /// The report of a frame at rest: the next one is as this.
+    fn rested(&self, crowds: &[OfCrowd], expected_ns: f64) -> BudgetReport {
+        let work = crowds.iter().map(|c| c.work_ns);
+        let next_ns = self.learned.tick_ns(0) + self.learned.evaluate_ns(work);
+        let least = crowds.iter().map(|c| c.demands[1].least_ns());
+        let least_ns = self.learned.tick_ns(1) + self.learned.evaluate_ns(least);
+        BudgetReport {
+            limit_ns: self.limit_ns,
+            expected_ns,
+            expected_next_ns: next_ns,
+            // The costs may be old, but this one is possible.
+            floor_ns: least_ns.min(next_ns),
+            shown: self.allowance,
+            next: self.allowance,
+            cap_px: self.cap_px,
+            rests: true,
+        }
+    }
+
+    /// Sets what the next frame is allowed by the costs of tolerances, and reports it.
+    fn looked_ahead(
+        &mut self,
+        crowds: &[OfCrowd],
+        expected_ns: f64,
+        is_known: bool,
+    ) -> BudgetReport {
+        let shown = self.allowance;
+        let tables = self.tables(crowds);
         if is_known {
-            self.learn_fit(&tables[list], self.learned.evaluate_ns(work));
+            let work = crowds.iter().map(|c| c.work_ns);
+            let found_ns = self.learned.evaluate_ns(work);
+            self.learn_fit(&tables[usize::from(shown.by_processor)], found_ns);
             let next = self.chosen(&tables);
             if next != shown {
                 self.held = 0;
@@ -222,7 +312,7 @@ impl Budget {
         }
         let next = usize::from(self.allowance.by_processor);
         let next_ns = tables[next].cost_ns(self.fit * self.allowance.px);
-        let report = BudgetReport {
+        BudgetReport {
             limit_ns: self.limit_ns,
             expected_ns,
             expected_next_ns: self.learned.tick_ns(next) + next_ns,
@@ -230,11 +320,8 @@ impl Budget {
             shown,
             next: self.allowance,
             cap_px: self.cap_px,
-        };
-        // The space is used again.
-        self.crowds = crowds;
-        self.crowds.clear();
-        report
+            rests: false,
+        }
     }
 
     /// Expected time of evaluation by tolerance, with both lists of options.
@@ -257,14 +344,17 @@ impl Budget {
     /// What the next frame is allowed, by the expected times with both lists of options.
     fn chosen(&self, tables: &[PricedDemand; 2]) -> Allowance {
         let now = self.allowance;
-        let all_ns = ALLOWED * self.limit_ns / self.learned.margin();
+        let all_ns = self.all_ns();
         let left_ns = [0, 1].map(|list| all_ns - self.learned.tick_ns(list));
         let list = usize::from(now.by_processor);
         let expected_ns = tables[list].cost_ns(self.fit * now.px) + self.learned.tick_ns(list);
-        let is_urgent = expected_ns > URGENT * self.limit_ns;
+        // At the floor there is nothing to hurry for.
+        let floor_ns = self.learned.tick_ns(1) + tables[1].least_ns();
+        let is_urgent = expected_ns > URGENT * self.limit_ns.max(floor_ns);
         let hold = u32::from(if is_urgent { URGENT_HOLD } else { now.frames });
         let is_first = self.learned.frames() == FIRST_FRAMES;
-        if self.learned.frames() < FIRST_FRAMES || (self.held < hold && !is_first) {
+        let has_to_wait = self.unknown_lists > 0.0 || (self.held < hold && !is_first);
+        if self.learned.frames() < FIRST_FRAMES || has_to_wait {
             return now;
         }
         let px = |list: usize, part: f64| {
@@ -281,8 +371,18 @@ impl Budget {
         let by_processor = self.by_processor(&px);
         let list = usize::from(by_processor);
         let (fits, with_rest) = (px(list, 1.0), px(list, USED));
+        let is_at_floor = by_processor == now.by_processor
+            && left_ns[list] < WORTH * tables[list].least_ns()
+            && tables[list].cost_ns(KEPT * now.px) <= FLOOR * tables[list].least_ns();
         let px = if by_processor != now.by_processor {
             with_rest
+        } else if is_at_floor {
+            // To change takes time and saves none.
+            if with_rest * FINER_AT_FLOOR < now.px {
+                with_rest
+            } else {
+                now.px
+            }
         } else if fits > now.px {
             with_rest.max(COARSER * now.px)
         } else if with_rest * FINER < now.px || (with_rest == self.cap_px && now.px > self.cap_px) {

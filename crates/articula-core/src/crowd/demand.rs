@@ -18,6 +18,35 @@ const FIRST_PX: f32 = 1.0 / 256.0;
 /// Nominal nanoseconds of each kind of work.
 pub(crate) type Costs = [f64; KINDS];
 
+/// Tolerances that a budget asks for, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Tolerances {
+    /// Where an entry of the table begins.
+    least_px: f32,
+    most_px: f32,
+}
+
+impl Tolerances {
+    /// From the beginning of the entry that has the first one.
+    pub(crate) fn new(least_px: f32, most_px: f32) -> Self {
+        let bin = bin_of(least_px);
+        Self {
+            least_px: if bin > 0 { px_of(bin) } else { 0.0 },
+            most_px,
+        }
+    }
+
+    /// The same with another greatest one.
+    pub(crate) fn up_to(self, most_px: f32) -> Self {
+        Self { most_px, ..self }
+    }
+
+    /// The greatest one.
+    pub(crate) fn most_px(self) -> f32 {
+        self.most_px
+    }
+}
+
 /// Sum of the costs of characters by tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Demand {
@@ -34,28 +63,37 @@ impl Demand {
     };
 
     /// Adds a character that `px_per_metre` pixels of tolerance make a metre for, with its options,
-    /// finest first, none of which is off by more than `most_px` but the first. One that draws less may cost
-    /// more: a saving below 0.
+    /// finest first, none of which is off by more than the most of the tolerances but the first. One that draws
+    /// less may cost more: a saving below 0. Tolerances below the least one have the cost of it.
     #[inline]
-    pub(crate) fn see(&mut self, options: &[DetailOption], px_per_metre: f32, most_px: f32) {
-        let mut finer: Option<&DetailOption> = None;
-        for option in options {
+    pub(crate) fn see(
+        &mut self,
+        options: &[DetailOption],
+        px_per_metre: f32,
+        tolerances: Tolerances,
+    ) {
+        let least_metres = tolerances.least_px / px_per_metre;
+        // Most characters are far away, where few options are left.
+        let within = options.partition_point(|o| o.error_metres < least_metres);
+        let Some((mut last, coarser)) = options
+            .get(within.saturating_sub(1)..)
+            .and_then(<[_]>::split_first)
+        else {
+            return;
+        };
+        for option in coarser {
             let error_px = option.error_metres * px_per_metre;
-            if let Some(finer) = finer {
-                if error_px > most_px {
-                    break;
-                }
-                // All kinds at once.
-                let savings = &mut self.savings_ns[bin_of(error_px)];
-                let saved = Vec4::from(finer.costs_ns) - Vec4::from(option.costs_ns);
-                *savings = (Vec4::from(*savings) + saved).to_array();
+            if error_px > tolerances.most_px {
+                break;
             }
-            finer = Some(option);
+            // All kinds at once.
+            let savings = &mut self.savings_ns[bin_of(error_px)];
+            let saved = Vec4::from(last.costs_ns) - Vec4::from(option.costs_ns);
+            *savings = (Vec4::from(*savings) + saved).to_array();
+            last = option;
         }
-        if let Some(last) = finer {
-            for (least, cost) in self.least_ns.iter_mut().zip(last.costs_ns) {
-                *least += f64::from(cost);
-            }
+        for (least, cost) in self.least_ns.iter_mut().zip(last.costs_ns) {
+            *least += f64::from(cost);
         }
     }
 
@@ -65,7 +103,7 @@ impl Demand {
         model: &CrowdModel,
         state: &CharacterState,
         px_per_metre: f32,
-        most_px: f32,
+        tolerances: Tolerances,
     ) {
         let (from, to) = state.clips();
         let (source, poses) = match state.fade == 0.0 {
@@ -82,7 +120,7 @@ impl Demand {
         let mut least = cost(0);
         for level in 1..model.levels() {
             let error_px = model.error_metres(from, to, level) * px_per_metre;
-            if error_px > most_px {
+            if error_px > tolerances.most_px {
                 break;
             }
             let savings = &mut self.savings_ns[bin_of(error_px)];
@@ -92,6 +130,11 @@ impl Demand {
         }
         self.least_ns[source.kind()] += f64::from(least[0]);
         self.least_ns[FACES] += f64::from(least[1]);
+    }
+
+    /// Nanoseconds with the cheapest option of each character, of each kind of work.
+    pub(crate) fn least_ns(&self) -> Costs {
+        self.least_ns
     }
 
     /// Adds the nanoseconds by tolerance at the prices of the kinds of work to a table.
@@ -176,6 +219,11 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    const ALL: Tolerances = Tolerances {
+        least_px: 0.0,
+        most_px: f32::INFINITY,
+    };
+
     fn options(steps: &[(f32, f32)]) -> Vec<DetailOption> {
         let option = |(error_metres, cost_ns)| DetailOption {
             level: 0,
@@ -200,8 +248,8 @@ mod tests {
         // 1 px and 4 px are where entries of the table begin.
         let steps = options(&[(0.0, 100.0), (0.01, 40.0), (0.04, 10.0)]);
         let mut demand = Demand::NONE;
-        demand.see(&steps, 100.0, f32::INFINITY);
-        demand.see(&steps, 100.0, f32::INFINITY);
+        demand.see(&steps, 100.0, ALL);
+        demand.see(&steps, 100.0, ALL);
         let at = priced(&demand);
         for (px, cost) in [
             (0.5, 200.0),
@@ -225,7 +273,7 @@ mod tests {
     fn near_characters_save_no_more_than_their_tolerance_allows() {
         let steps = options(&[(0.0, 100.0), (0.01, 40.0), (0.04, 10.0)]);
         let mut demand = Demand::NONE;
-        demand.see(&steps, 100.0, 2.0);
+        demand.see(&steps, 100.0, ALL.up_to(2.0));
         assert_eq!(priced(&demand).cost_ns(100.0), 40.0);
         assert_eq!(priced(&demand).least_ns(), 40.0);
     }
@@ -236,7 +284,7 @@ mod tests {
         steps[1].costs_ns = [0.0, 40.0, 0.0, 0.0];
         steps[2].costs_ns = [0.0, 0.0, 4.0, 6.0];
         let mut demand = Demand::NONE;
-        demand.see(&steps, 100.0, f32::INFINITY);
+        demand.see(&steps, 100.0, ALL);
         let mut table = PricedDemand::NONE;
         demand.add_priced(&[2.0, 3.0, 0.5, 1.5], &mut table);
         for (px, cost) in [(0.5, 200.0), (1.25, 120.0), (5.0, 11.0)] {
@@ -245,6 +293,31 @@ mod tests {
     }
 
     proptest! {
+        /// A table of the tolerances that are asked for has the costs of one of all.
+        #[test]
+        fn only_the_tolerances_asked_for_are_summed(
+            steps in prop::collection::vec((0.0001f32..0.2, 1.0f32..100.0), 1..6),
+            spans in prop::collection::vec(1.0f32..1000.0, 1..30),
+            least_px in 0.001f32..8.0,
+            factor in 1.0f32..8.0,
+            most_px in prop::option::of(1.0f32..16.0),
+        ) {
+            let mut steps = steps;
+            steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let most_px = most_px.unwrap_or(f32::INFINITY);
+            let some = Tolerances::new(least_px, most_px);
+            let [mut all, mut asked] = [Demand::NONE; 2];
+            for span in &spans {
+                all.see(&options(&steps), *span, ALL.up_to(most_px));
+                asked.see(&options(&steps), *span, some);
+            }
+            let [all, asked] = [all, asked].map(|demand| priced(&demand));
+            let px = factor * least_px;
+            let [a, b] = [&all, &asked].map(|table| table.cost_ns(px));
+            // Whoever is finer than all tolerances has one option left, whatever its error.
+            prop_assert!(most_px < least_px || (a - b).abs() <= 1e-2 + 1e-5 * a, "{a} {b}");
+        }
+
         /// What is found costs no more than the budget, and a little less tolerance costs more.
         #[test]
         fn the_tolerance_found_is_the_least(
@@ -258,7 +331,7 @@ mod tests {
             let steps: Vec<_> = errors.into_iter().zip(costs).collect();
             let mut demand = Demand::NONE;
             for span in &spans {
-                demand.see(&options(&steps), *span, f32::INFINITY);
+                demand.see(&options(&steps), *span, ALL);
             }
             let demand = priced(&demand);
             let [most, least] = [0.0, f32::MAX].map(|px| demand.cost_ns(px));

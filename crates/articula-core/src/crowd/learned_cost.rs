@@ -8,6 +8,9 @@
 use super::demand::{Costs, Demand, PricedDemand};
 use super::sources::KINDS;
 
+/// First frames, in which all levels are chosen and nothing is in the cache of the processor: what they take is
+/// forgotten with the next one.
+const COLD_FRAMES: u32 = 2;
 /// Weight of a new frame in the means, once there were as many as it stands for.
 const GAIN: f64 = 0.1;
 /// Greatest factor of a new time against the mean; an interrupted frame counts as this.
@@ -84,15 +87,20 @@ impl LearnedCost {
     /// Learns from a frame whose work is given, one entry for each crowd; it is not nothing.
     pub(super) fn learn(&mut self, times: Times, work: impl Iterator<Item = Costs> + Clone) {
         let nominal_ns: f64 = work.clone().flatten().sum();
+        if self.frames <= COLD_FRAMES {
+            self.prices.clear();
+            self.tick_ns = [None; 2];
+        }
         let known = self.prices.len();
         let price = (times.evaluate_ns / nominal_ns).clamp(PRICES[0], PRICES[1]);
         self.prices
             .extend(work.clone().skip(known).map(|_| [price; KINDS]));
         self.frames = self.frames.saturating_add(1);
         let expected_ns = self.evaluate_ns(work.clone());
-        let gain = GAIN.max(1.0 / f64::from(self.frames));
+        let warm = self.frames.saturating_sub(COLD_FRAMES).max(1);
+        let gain = GAIN.max(1.0 / f64::from(warm));
         let tick_ns = self.tick_ns[times.list].unwrap_or(times.tick_ns);
-        if self.frames > 1 {
+        if warm > 1 {
             let measured = times.tick_ns + times.evaluate_ns;
             self.ratios[self.oldest] = (measured / (tick_ns + expected_ns)) as f32;
             self.oldest = (self.oldest + 1) % REMEMBERED;

@@ -6,9 +6,9 @@
 use super::character_state::{CharacterState, ClipState};
 use super::clip_times::ClipTimes;
 use super::clocks::Clocks;
-use super::demand::Demand;
+use super::demand::{Demand, Tolerances};
 use super::frame::{CrowdEvent, Frame};
-use super::keys::{Key, SectionKeys};
+use super::keys::SectionKeys;
 use super::mode::{Choosing, Mode};
 use super::model::CrowdModel;
 use super::morph_levels::MorphLevels;
@@ -327,8 +327,9 @@ impl CrowdSection {
         for c in 0..self.world.cells.len() {
             let cell = &mut self.world.cells[c];
             let before = cell.allowance;
-            let is_due = before.is_none() || step.turn.has(self.first / CELL + c);
-            if !is_due || before == Some(allowed) {
+            // Nearly always nothing is new.
+            if before == Some(allowed) || before.is_some() && !step.turn.has(self.first / CELL + c)
+            {
                 continue;
             }
             cell.allowance = Some(allowed);
@@ -518,40 +519,37 @@ impl CrowdSection {
         cell.bound_px = bound_px;
     }
 
-    /// Adds the cost of the visible characters of a cell by tolerance, with their options by the cost of the
-    /// frame, list 0, or by that of the processor. Near ones are off by at most `near_px`.
+    /// Adds the cost of the characters of a tile that are shown by tolerance, with their options by the cost of the
+    /// frame, list 0, or by that of the processor, and returns how many these are. The greatest tolerance is that of
+    /// near ones.
     pub(super) fn add_demand(
         &self,
         model: &CrowdModel,
-        (cell, list): (usize, usize),
-        near_px: f32,
+        (tile, list): (usize, usize),
+        tolerances: Tolerances,
         sum: &mut Demand,
-    ) {
-        if self.world.cells[cell].visible == 0 {
-            return;
-        }
+    ) -> usize {
         let most = Allowance {
             px: f32::INFINITY,
-            near_px,
+            near_px: tolerances.most_px(),
             by_processor: false,
             frames: 1,
         };
         let options = model.options(self.mode.cache, list == 1);
-        for character in cell * CELL..((cell + 1) * CELL).min(self.len()) {
-            if self.keys.get(character) == Key::HIDDEN {
-                continue;
-            }
+        for lane in lanes(self.shown[tile]) {
+            let character = tile * LANES + lane;
             let density = self.pixels_per_metre(character);
-            let most_px = most.px_at(1.0 / density);
+            let tolerances = tolerances.up_to(most.px_at(1.0 / density));
             let pixels_per_metre = density / self.weights.of(character);
             if self.clocks.is_fading(character) {
                 let state = self.clocks.state(character);
-                sum.see_fading(model, &state, pixels_per_metre, most_px);
+                sum.see_fading(model, &state, pixels_per_metre, tolerances);
             } else {
                 let clip = self.clocks.from(character).clip();
-                sum.see(options.of(clip), pixels_per_metre, most_px);
+                sum.see(options.of(clip), pixels_per_metre, tolerances);
             }
         }
+        self.shown[tile].count_ones() as usize
     }
 
     /// Nominal nanoseconds of the morph target weights of a character that has a set of them.

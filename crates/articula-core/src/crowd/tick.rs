@@ -2,7 +2,7 @@
 
 use super::character_state::{CharacterState, ClipState};
 use super::clocks::Clocks;
-use super::demand::{Costs, Demand};
+use super::demand::{Costs, Demand, Tolerances};
 use super::frame::{CrowdEvent, CrowdReport, Culling, Frame, Moved};
 use super::keys::SectionKeys;
 use super::mode::Mode;
@@ -10,24 +10,24 @@ use super::model::CrowdModel;
 use super::places::{CELL, WorldBounds};
 use super::plan::Plan;
 use super::root_path::RootDelta;
-use super::section::{CrowdSection, SECTION, SECTION_CELLS, Step, Turn};
+use super::section::{CrowdSection, SECTION, Step, Turn};
 use super::sources::{FACES, KINDS, Source, evaluated};
 use crate::allowance::Allowance;
 use crate::simd::LANES;
 use crate::sphere::Sphere;
 use crate::visibility::{CullResult, View, Visibility, look_at_one};
 
-/// Frames in which the cost by tolerance is found anew.
-const SWEEP_FRAMES: usize = 32;
+/// Tiles of a section.
+const SECTION_TILES: usize = SECTION / LANES;
 
-/// Cost by tolerance, summed up cell by cell, with the options by the cost of the frame and by that of the
+/// Cost by tolerance, summed up tile by tile, with the options by the cost of the frame and by that of the
 /// processor, in turns.
 #[derive(Debug, Clone)]
 struct Sweep {
     whole: [Demand; 2],
     part: Demand,
     list: usize,
-    next_cell: usize,
+    next_tile: usize,
     is_first: bool,
 }
 
@@ -37,7 +37,7 @@ impl Sweep {
             whole: [Demand::NONE; 2],
             part: Demand::NONE,
             list: 0,
-            next_cell: 0,
+            next_tile: 0,
             is_first: true,
         }
     }
@@ -314,33 +314,40 @@ impl Crowd {
     }
 
     /// Cost of the visible characters by tolerance, with the options by the cost of the frame and by that of
-    /// the processor, where near ones are off by at most `near_px`. A thirty-second of the cells are summed up
-    /// anew in each call for one of the two, all of them for both in the first.
-    pub(super) fn demand(&mut self, model: &CrowdModel, near_px: f32) -> &[Demand; 2] {
-        let count = self.characters.div_ceil(CELL);
+    /// the processor. For one of the two, in turns, as many characters are summed up anew as have all had their turn
+    /// within `frames` calls, none if these are 0; in the first call all for both. Each call takes as long as others,
+    /// whoever is seen.
+    pub(super) fn demand(
+        &mut self,
+        model: &CrowdModel,
+        tolerances: Tolerances,
+        frames: usize,
+    ) -> &[Demand; 2] {
         if std::mem::replace(&mut self.sweep.is_first, false) {
             for _ in 0..2 {
-                self.sum_up(model, near_px, count);
+                self.sum_up(model, tolerances, usize::MAX);
             }
-        } else {
-            self.sum_up(model, near_px, count.div_ceil(SWEEP_FRAMES));
+        } else if frames > 0 {
+            let visible: usize = self.sections.iter().map(|s| s.seen.visible).sum();
+            self.sum_up(model, tolerances, visible.div_ceil(frames).max(1));
         }
         &self.sweep.whole
     }
 
-    /// Sums up the next so many cells, but none of another list of options.
-    fn sum_up(&mut self, model: &CrowdModel, near_px: f32, steps: usize) {
-        let count = self.characters.div_ceil(CELL);
+    /// Sums up so many of the next visible characters, but none of another list of options.
+    fn sum_up(&mut self, model: &CrowdModel, tolerances: Tolerances, characters: usize) {
         let sweep = &mut self.sweep;
-        let last = (sweep.next_cell + steps).min(count);
-        for cell in sweep.next_cell..last {
-            let section = &self.sections[cell / SECTION_CELLS];
-            let of = (cell % SECTION_CELLS, sweep.list);
-            section.add_demand(model, of, near_px, &mut sweep.part);
+        let count = self.characters.div_ceil(LANES);
+        let mut left = characters;
+        while left > 0 && sweep.next_tile < count {
+            let section = &self.sections[sweep.next_tile / SECTION_TILES];
+            let of = (sweep.next_tile % SECTION_TILES, sweep.list);
+            let seen = section.add_demand(model, of, tolerances, &mut sweep.part);
+            left = left.saturating_sub(seen);
+            sweep.next_tile += 1;
         }
-        sweep.next_cell = last;
-        if last == count {
-            sweep.next_cell = 0;
+        if sweep.next_tile == count {
+            sweep.next_tile = 0;
             sweep.whole[sweep.list] = std::mem::replace(&mut sweep.part, Demand::NONE);
             sweep.list = 1 - sweep.list;
         }

@@ -105,6 +105,8 @@ struct Machine {
     /// Nanoseconds of a tick, and what one takes in addition in which all levels are chosen again.
     tick_ns: f64,
     change_ns: f64,
+    /// What the first frame takes in addition, in tick and evaluation each.
+    cold_ns: f64,
     /// Range of a time from frame to frame, as a part of it.
     noise: f64,
 }
@@ -116,6 +118,7 @@ impl Machine {
             blended_ns: ns,
             tick_ns: 5000.0,
             change_ns: 0.0,
+            cold_ns: 0.0,
             noise: 0.05,
         }
     }
@@ -182,8 +185,10 @@ fn played(limit: impl Fn(f64, f64) -> f64, machine: Machine) -> Played {
     for frame in 0..300 {
         let computed = two.frame(budget.detail(), &mut budget);
         let is_changed = std::mem::replace(&mut before, budget.allowance()) != before;
-        let tick_ns = machine.tick_ns + if is_changed { machine.change_ns } else { 0.0 };
-        let evaluate_ns = machine.evaluate_ns(computed, frame);
+        let cold_ns = if frame == 0 { machine.cold_ns } else { 0.0 };
+        let change_ns = if is_changed { machine.change_ns } else { 0.0 };
+        let tick_ns = machine.tick_ns + change_ns + cold_ns;
+        let evaluate_ns = machine.evaluate_ns(computed, frame) + cold_ns;
         played.near_px = played.near_px.max(two.near_px());
         played.reports.push(budget.observe(tick_ns, evaluate_ns));
         played.used.push((evaluate_ns + tick_ns) / limit);
@@ -298,6 +303,108 @@ fn too_little_is_announced_and_what_would_fit() {
         assert_eq!((report.shown.px, report.next.px), (1.0, 1.0));
         let report = budget.observe(5000.0, 9000.0);
         assert!(report.next.px > 0.0, "no crowd is no cost: {report:?}");
+    }
+}
+
+/// Below the limit nobody is asked what another tolerance would cost, which takes as long as a frame of characters
+/// that stand still; what is shown is what is shown without a budget.
+#[test]
+fn a_budget_far_above_the_cost_rests() {
+    for (share, rests) in [(2.0, true), (1.5, true), (0.9, false), (0.7, false)] {
+        let found = played(|at_cap, _| share * at_cap, Machine::even(3.0));
+        // While those who fade at first still do.
+        let settled = &found.reports[60..150];
+        assert!(settled.iter().all(|r| r.rests == rests), "{share}");
+        let is_floor_possible = |r: &BudgetReport| r.floor_ns <= r.expected_next_ns * 1.001;
+        assert!(settled.iter().all(is_floor_possible), "{share}");
+        if rests {
+            assert!(settled.iter().all(|r| r.is_satisfied() && r.next.px == 1.0));
+            let mut two = Two::new();
+            let mut nothing = Budget::new(0.0, 1.0);
+            let detail = Detail::Tolerance { px: 1.0 };
+            for bound_px in &found.bounds_px {
+                assert_eq!(two.frame(detail, &mut nothing).bound_px, *bound_px);
+            }
+        }
+    }
+}
+
+/// The first frame, which chooses all levels and finds nothing in the cache of the processor, may take forty times as
+/// long as others: no triangles are given up for it.
+#[test]
+fn the_first_frame_is_not_taken_for_the_usual_one() {
+    let machine = Machine {
+        cold_ns: 4e6,
+        ..Machine::even(3.0)
+    };
+    let found = played(|at_cap, _| 2.0 * at_cap, machine);
+    for report in &found.reports[1..] {
+        assert!(!report.sacrifice().triangles, "{report:?}");
+        assert_eq!(report.next.px, 1.0);
+    }
+    assert!(found.reports[60..].iter().all(|r| r.rests));
+}
+
+/// Where nothing is left to give, a change of the tolerance would cost time and save none: the time of a frame is that
+/// of the floor, and does not vary with changes.
+#[test]
+fn a_budget_at_the_floor_changes_nothing() {
+    for noise in [0.05, 0.2] {
+        let machine = Machine {
+            change_ns: 5000.0,
+            noise,
+            ..Machine::even(3.0)
+        };
+        for (at_floor, more) in [(0.0, 0.0), (0.5, 0.0), (1.0, 0.005)] {
+            let found = played(|at_cap, least| at_floor * least + more * at_cap, machine);
+            let settled = &found.reports[150..];
+            let changes = settled.iter().filter(|r| r.next != r.shown).count();
+            assert!(changes <= 1, "{noise}, {at_floor}: {changes} changes");
+            let floor_ns = found.last().floor_ns;
+            assert!(
+                found.last().expected_next_ns <= 1.05 * floor_ns,
+                "{:?}",
+                found.last()
+            );
+        }
+    }
+}
+
+/// Characters come nearer after the budget rested so long that it knows nothing of them.
+#[test]
+fn a_budget_that_rested_is_kept_again() {
+    let machine = Machine::even(3.0);
+    let nearer = |two: &mut Two| two.positions.iter_mut().for_each(|p| p.z *= 0.2);
+    let ns = |computed: Computed, frame: usize| {
+        let evaluate_ns = machine.evaluate_ns(computed, frame);
+        (evaluate_ns, machine.tick_ns + evaluate_ns)
+    };
+    let mut nothing = Budget::new(0.0, 1.0);
+    let mut two = Two::new();
+    let detail = Detail::Tolerance { px: 1.0 };
+    let (_, far) = ns(two.frame(detail, &mut nothing), 0);
+    nearer(&mut two);
+    let (_, near) = ns(two.frame(detail, &mut nothing), 0);
+    assert!(near > 1.5 * far, "{near} {far}");
+    let limit = 0.9 * near;
+    let mut budget = Budget::new(limit, 1.0);
+    let mut two = Two::new();
+    for frame in 0..400 {
+        if frame == 200 {
+            nearer(&mut two);
+        }
+        let (evaluate_ns, used) = ns(two.frame(budget.detail(), &mut budget), frame);
+        let report = budget.observe(machine.tick_ns, evaluate_ns);
+        if (40..200).contains(&frame) {
+            assert!(report.rests, "{frame}");
+        }
+        // All are asked in 16 frames, and all have taken over what follows in 8 more.
+        if frame >= 200 + 16 + 8 + 8 {
+            assert!(
+                used <= 1.05 * limit.max(report.floor_ns),
+                "{frame}: {used} of {limit}"
+            );
+        }
     }
 }
 

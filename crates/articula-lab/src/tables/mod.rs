@@ -21,6 +21,7 @@ pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;
 pub(crate) mod optimize;
+mod paired_frames;
 pub(crate) mod portrait_parameters;
 mod pose_keys;
 mod random;

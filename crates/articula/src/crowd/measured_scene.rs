@@ -84,6 +84,8 @@ fn play(
     };
     let mut budgets = Vec::new();
     let mut times = Vec::with_capacity(options.frames);
+    // A budget is a part of the next frame that it is told of.
+    let mut observing_ns = 0.0;
     for frame in 0..WARM_UP_FRAMES + options.frames {
         let (wall, start) = (wall_ns(), timed.thread_ns());
         let allowed = budget.as_ref().map(Budget::allowance);
@@ -95,9 +97,10 @@ fn play(
         let evaluate_ns = timed.evaluate() as f64;
         let start = timed.thread_ns();
         if let Some(budget) = &mut budget {
-            budgets.push(budget.observe(tick_ns, evaluate_ns));
+            budgets.push(budget.observe(tick_ns + observing_ns, evaluate_ns));
         }
-        let tick_ns = tick_ns + (timed.thread_ns() - start) as f64;
+        observing_ns = (timed.thread_ns() - start) as f64;
+        let tick_ns = tick_ns + observing_ns;
         if frame >= WARM_UP_FRAMES {
             times.push(FrameTime {
                 cpu_ns: tick_ns + evaluate_ns,
