@@ -52,9 +52,9 @@ fn driven(here: &Path, document: &Value, inputs: &Value) -> Vec<Value> {
 
 /// What is embedded in a page under a name.
 fn embedded(page: &str, name: &str) -> Value {
-    let begin = format!("const {name} = ");
-    let line = page.lines().find_map(|line| line.strip_prefix(&begin));
-    serde_json::from_str(line.unwrap().trim_end_matches(';')).unwrap()
+    let (_, rest) = page.split_once(&format!("const {name} = ")).unwrap();
+    let mut values = serde_json::Deserializer::from_str(rest).into_iter();
+    values.next().unwrap().unwrap()
 }
 
 #[test]
