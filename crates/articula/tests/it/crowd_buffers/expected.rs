@@ -131,11 +131,12 @@ fn keys(
 
 /// The times between the equal parts of a clip.
 fn steps(figure: &Figure, cache: &PoseCache, level: usize, clip: usize) -> Vec<f32> {
-    // The palettes of the parts follow each other.
-    let [first, last] = [0.0, f32::MAX].map(|t| cache.nearest(clip, level, t).unwrap() as usize);
-    let spans = (last - first) / cache.matrices(level);
+    // The palettes of the parts follow each other; they may be those of a level with more joints.
+    let [first, last] = [0.0, f32::MAX].map(|t| cache.nearest(clip, level, t).unwrap());
+    let beside = cache.between_steps(clip, level, 0.0).unwrap();
+    let spans = (last - first) / (beside.after - beside.before);
     let end_secs = figure.asset.clips[clip].duration_secs();
-    let part = |i: usize| end_secs * i as f32 / spans as f32;
+    let part = |i: u32| end_secs * i as f32 / spans as f32;
     (0..=spans).map(part).collect()
 }
 

@@ -44,7 +44,7 @@ fn members() -> Vec<Member> {
     let mut members = vec![
         member(-1.0, 0.0, (0, 0.3), Some(0)),
         member(0.0, 0.0, (0, 0.4), Some(0)),
-        member(-30.0, -400.0, (0, 0.55), Some(1)),
+        member(-30.0, -400.0, (0, 0.554), Some(1)),
         member(10.0, -400.0, (1, 0.2), Some(1)),
         member(0.0, 40.0, (0, 0.1), None),
         member(40.0, -400.0, (1, 0.0), Some(1)),
