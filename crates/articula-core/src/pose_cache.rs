@@ -431,9 +431,7 @@ impl PoseCache {
     #[inline]
     pub fn record_error_metres(&self, clip: usize, level: usize) -> Option<f32> {
         let of_keys = self.error_metres(clip, level);
-        let of_steps = self
-            .steps_of(clip, level)
-            .and_then(|s| s.blend_error_metres);
+        let of_steps = self.step_blend_error_metres(clip, level);
         of_keys.into_iter().chain(of_steps).reduce(f32::min)
     }
 
@@ -544,13 +542,16 @@ impl PoseCache {
     #[inline]
     pub fn record(&self, clip: usize, level: usize, time_secs: f32) -> Option<BlendRecord> {
         let of_keys = self.error_metres(clip, level).unwrap_or(f32::INFINITY);
-        let of_steps = self
-            .steps_of(clip, level)
-            .and_then(|s| s.blend_error_metres);
+        let of_steps = self.step_blend_error_metres(clip, level);
         match of_steps {
             Some(of_steps) if of_steps < of_keys => self.between_steps(clip, level, time_secs),
             _ => self.locate(clip, level, time_secs),
         }
+    }
+
+    #[inline]
+    fn step_blend_error_metres(&self, clip: usize, level: usize) -> Option<f32> {
+        self.steps_of(clip, level)?.blend_error_metres
     }
 
     #[inline]

@@ -24,17 +24,22 @@ use std::ops::Range;
 /// Number of half ticks that are looked at together; even, so that it ends at a tick.
 const BLOCK_HALVES: usize = 256;
 
-/// Errors of the blended palettes of one clip at levels that share them.
-pub(super) fn measure(
+/// A blend of cached poses that shows a level of a clip at a time in seconds.
+pub(super) type BlendAt =
+    fn(&PoseCache, clip: usize, level: usize, secs: f32) -> Option<BlendRecord>;
+
+/// Errors of blended palettes of one clip at levels that share them.
+pub(super) fn measure_blends(
     cache: &PoseCache,
     clips: &ClipSet,
     (clip, ticks): (usize, &Ticks),
     map: &PaletteMap,
     (skins, levels): (&Skins, Range<usize>),
+    blend_at: BlendAt,
 ) -> Result<Vec<ShownError>, Mismatch> {
     let level = levels.start;
     let record = |half: usize| {
-        let record = cache.locate(clip, level, ticks.secs(half));
+        let record = blend_at(cache, clip, level, ticks.secs(half));
         [record.unwrap_or_default(); 2]
     };
     shown_errors(cache, clips, (clip, ticks), map, (skins, levels), record)
@@ -55,22 +60,6 @@ pub(super) fn measure_steps(
             .beside(half)
             .map(|secs| cache.nearest(clip, level, secs));
         first.map(|first| BlendRecord::of_key(first.unwrap_or_default()))
-    };
-    shown_errors(cache, clips, (clip, ticks), map, (skins, levels), record)
-}
-
-/// The same of blends of the two around a time.
-pub(super) fn measure_step_blends(
-    cache: &PoseCache,
-    clips: &ClipSet,
-    (clip, ticks): (usize, &Ticks),
-    map: &PaletteMap,
-    (skins, levels): (&Skins, Range<usize>),
-) -> Result<Vec<ShownError>, Mismatch> {
-    let level = levels.start;
-    let record = |half: usize| {
-        let record = cache.between_steps(clip, level, ticks.secs(half));
-        [record.unwrap_or_default(); 2]
     };
     shown_errors(cache, clips, (clip, ticks), map, (skins, levels), record)
 }

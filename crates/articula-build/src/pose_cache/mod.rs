@@ -33,7 +33,7 @@ use articula_core::{
 };
 use bake::{Keys, Steps, bake, bytes_of};
 use keys::{Chosen, Ticks, choose};
-use measure::{measure, measure_step_blends, measure_steps};
+use measure::{measure_blends, measure_steps};
 use skins::Skins;
 use steps::wanted_steps;
 
@@ -190,7 +190,14 @@ pub fn cached_poses(
         let owner = keys[clip].iter().position(Option::is_some).unwrap_or(all);
         let of = (&skins, owner..all);
         let errors = match owner < all {
-            true => measure(&unmeasured, clips, (clip, ticks), map, of)?,
+            true => measure_blends(
+                &unmeasured,
+                clips,
+                (clip, ticks),
+                map,
+                of,
+                PoseCache::locate,
+            )?,
             false => Vec::new(),
         };
         let cached = keys[clip].iter_mut().zip(&mut plans[clip]).skip(owner);
@@ -208,7 +215,8 @@ pub fn cached_poses(
         let ticks = Ticks::of_steps(count, clips.duration_secs(clip));
         let of = (&skins, owner..all);
         let errors = measure_steps(&unmeasured, clips, (clip, &ticks), map, of.clone())?;
-        let blends = measure_step_blends(&unmeasured, clips, (clip, &ticks), map, of)?;
+        let between = PoseCache::between_steps;
+        let blends = measure_blends(&unmeasured, clips, (clip, &ticks), map, of, between)?;
         let stepped = steps[clip].iter_mut().zip(&mut plans[clip]).skip(owner);
         for ((steps, plan), (error, blend)) in stepped.zip(errors.into_iter().zip(blends)) {
             let Some(steps) = steps else { continue };

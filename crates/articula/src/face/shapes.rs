@@ -130,8 +130,8 @@ fn made_shapes(
     let vertices = figure.in_character(&around.head.vertices)?;
     let table = face.table()?;
     let chart = MouthChart::new(&face.head.surface, &face.points);
-    let measured = |name: &str| motions.displacements(name, chart.as_ref()?, &table);
     let folds = SkinFolds::of(&face.head.surface, &face.points);
+    let measured = |name: &str| motions.displacements(name, chart.as_ref()?, &folds, &table);
     let of_table = |name: &str| {
         let mut moved = table.displacements(&parameters(name));
         folds.unfold(&mut moved);

@@ -6,7 +6,6 @@
 
 use super::super::points::{FacePoints, FaceSurface, template_place, to_template};
 use super::super::table::{Mirror, SurfaceGraph, sheet, smooth};
-use super::super::unfold::SkinFolds;
 use super::depths::Depths;
 use super::laid_on::laid_on;
 use articula_core::Libm;
@@ -74,7 +73,6 @@ pub struct MouthChart {
     pub(super) height: f32,
     /// Number of vertices of the surface.
     pub(super) count: usize,
-    pub(super) folds: SkinFolds,
 }
 
 /// Column and row of a place in the unrolled face, on the upper (0) or the lower (1) sheet; a place beyond the line
@@ -158,7 +156,6 @@ impl MouthChart {
             others: others.collect(),
             height,
             count: surface.positions.len(),
-            folds: SkinFolds::of(surface, points),
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::super::points::{FacePoints, FaceSurface};
 use super::super::table::{FaceTable, still_below_least};
+use super::super::unfold::SkinFolds;
 use super::chart::{COLUMNS, MouthChart, ROWS};
 use super::measure;
 use super::motion::{Motion, Side, across, mirrored};
@@ -163,11 +164,12 @@ impl MouthMotions {
     }
 
     /// Returns the displacement of each vertex of a head by a blend shape, by its name in ARKit, metres; `None` if it is
-    /// none of those that are known.
+    /// none of those that are known. `folds` are those of its skin.
     pub fn displacements(
         &self,
         shape: &str,
         chart: &MouthChart,
+        folds: &SkinFolds,
         table: &FaceTable,
     ) -> Option<Vec<Vec3>> {
         let (motion, side) = self.find(shape)?;
@@ -181,7 +183,7 @@ impl MouthMotions {
             let with_jaw = jaw.map_or(Vec3::ZERO, |jaw| place.lower * table.with_jaw(v, &jaw));
             skin[v] = skin[v].lerp(with_jaw, place.inside);
         }
-        chart.folds.unfold(&mut skin);
+        folds.unfold(&mut skin);
         let mut all = table.displacements_of_skin(&skin, jaw.as_ref());
         for place in &chart.others {
             all[place.vertex as usize] = chart.height * motion.of(place, side);

@@ -42,8 +42,14 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         let what = "--audio needs a clip with the motion of the mouth; name one with --clip, or give --motion";
         return Err(fault::usage(what));
     }
-    if shot.clip.is_none() && args.special.background.len() > 1 {
+    let behind = &args.special.background;
+    if shot.clip.is_none() && behind.len() > 1 {
         let what = "--background is given several times: a slide-show needs a clip to be in step with; name one with --clip, or give --motion";
+        return Err(fault::usage(what));
+    }
+    let timed = behind.iter().filter(|f| f.from_secs.is_some()).count();
+    if timed != 0 && timed != behind.len() {
+        let what = "--background: give the seconds of all pictures (a.png@0 b.png@2.5), or of none";
         return Err(fault::usage(what));
     }
     let (head, made) = console.work(|work| portrait(&figure, &shot, work))?;
@@ -132,11 +138,6 @@ fn slides(files: &[SlideFile], portrait: &Portrait) -> anyhow::Result<Vec<Slide>
     let secs = clip.map_or(0.0, |c| {
         c.poses.len().saturating_sub(1) as f64 / f64::from(c.rate_hz)
     });
-    let timed = files.iter().filter(|f| f.from_secs.is_some()).count();
-    if timed != 0 && timed != files.len() {
-        let what = "--background: give the seconds of all pictures (a.png@0 b.png@2.5), or of none";
-        return Err(fault::usage(what));
-    }
     let slide = |(index, file): (usize, &SlideFile)| {
         let share = index as f64 / files.len() as f64;
         Ok(Slide {
