@@ -166,6 +166,7 @@ mod tests {
                 name: "sheet".into(),
                 mesh: 0,
                 material: None,
+                draw_material: None,
                 vertices: 0..count,
                 triangles: 0..triangles.len(),
             }],

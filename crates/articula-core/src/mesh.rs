@@ -23,6 +23,9 @@ pub struct Part {
     pub mesh: usize,
     /// Index into the character's materials.
     pub material: Option<usize>,
+    /// The material by which it is drawn together with parts of other colours: the first from which its own differs in
+    /// base colour alone; its own where there is none, or where it is not known.
+    pub draw_material: Option<usize>,
     /// Range of its vertices.
     pub vertices: Range<usize>,
     /// Range of its triangles.
@@ -208,6 +211,7 @@ impl Mesh {
             name: mesh.name.clone(),
             mesh: index,
             material: primitive.material,
+            draw_material: primitive.material,
             vertices: first..first + count,
             triangles: first_triangle..self.triangles.len(),
         });

@@ -92,6 +92,7 @@ fn mesh(surface: &Surface) -> (Mesh, Vec<u32>) {
             name: String::new(),
             mesh: 0,
             material: None,
+            draw_material: None,
             vertices: first_vertex..originals.len(),
             triangles: first_triangle..mesh.triangles.len(),
         });

@@ -199,6 +199,7 @@ impl CrowdPicture {
             name: String::new(),
             mesh: 0,
             material: shown.material,
+            draw_material: shown.material,
             vertices: vertices..count,
             triangles: triangles..mesh.triangles.len(),
         });

@@ -129,6 +129,7 @@ fn facets(mesh: &Mesh, triangles: &[(u16, [u32; 3])]) -> Mesh {
             name: String::new(),
             mesh: 0,
             material: None,
+            draw_material: None,
             vertices: 0..count,
             triangles: 0..triangles.len(),
         }],

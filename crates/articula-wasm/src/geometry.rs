@@ -147,6 +147,15 @@ impl Geometry {
         parts.collect()
     }
 
+    /// For each part the material by which it is drawn together with parts of other colours, or -1: the first from which
+    /// its own differs in base colour alone; its own where there is none.
+    #[wasm_bindgen(js_name = drawMaterials)]
+    pub fn draw_materials(&self) -> Vec<i32> {
+        let parts = self.mesh_data().parts.iter();
+        let of = |material: Option<usize>| material.map_or(-1, |material| material as i32);
+        parts.map(|part| of(part.draw_material)).collect()
+    }
+
     /// Number of morph targets.
     pub fn morphs(&self) -> usize {
         self.mesh_data().morph_weights.len()

@@ -5,7 +5,7 @@ use articula_core::{FigureLevel, Mesh, Part};
 /// Maximum cost of a level, relative to the level before.
 const WORTH: f32 = 0.88;
 
-/// Most draws of a character's levels: a level is drawn once for each of its materials and for each of the usual
+/// Most draws of a character's levels: a level is drawn once for each of its materials that differ in more than colour and for each of the usual
 /// sources of poses.
 const DRAWS: usize = 60;
 const SOURCES: usize = 2;
@@ -24,7 +24,7 @@ pub(super) struct Candidate {
     pub(super) level: FigureLevel,
     /// Maximum over all clips, in metres.
     pub(super) error_metres: f32,
-    /// Number of materials of its mesh.
+    /// Number of materials of its mesh, those that differ in colour alone counted once.
     pub(super) materials: usize,
 }
 
@@ -122,11 +122,11 @@ pub(super) fn vertices(triangles: &[[u32; 3]]) -> usize {
     used.len()
 }
 
-/// Number of materials of the parts that triangles belong to.
+/// Number of materials by which the parts that triangles belong to are drawn.
 pub(super) fn materials(full: &Mesh, triangles: &[[u32; 3]]) -> usize {
     let shown = parts(full, triangles);
     let shown = shown.iter().filter(|part| !part.triangles.is_empty());
-    let mut materials: Vec<Option<usize>> = shown.map(|part| part.material).collect();
+    let mut materials: Vec<Option<usize>> = shown.map(|part| part.draw_material).collect();
     materials.sort_unstable();
     materials.dedup();
     materials.len()

@@ -288,6 +288,7 @@ mod tests {
             name: String::new(),
             mesh: 0,
             material,
+            draw_material: material,
             vertices,
             triangles: 0..0,
         };
@@ -328,6 +329,7 @@ mod tests {
             name: String::new(),
             mesh: 0,
             material: Some(material),
+            draw_material: Some(material),
             vertices,
             triangles,
         };

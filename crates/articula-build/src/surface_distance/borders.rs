@@ -81,6 +81,7 @@ mod tests {
             name: String::new(),
             mesh: 0,
             material: Some(materials[i]),
+            draw_material: Some(materials[i]),
             vertices: 4 * i..4 * i + 4,
             triangles: 2 * i..2 * i + 2,
         };

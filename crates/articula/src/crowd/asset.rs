@@ -288,12 +288,19 @@ impl CrowdAsset {
         &self.0.meshes[level]
     }
 
-    /// Returns the triangles of a level by material: what is drawn in one call each.
+    /// Returns the triangles of a level by material: what is drawn in one call each, or together with the range before
+    /// where [`joins_previous`](MaterialRange::joins_previous).
     ///
     /// # Panics
     /// If there is no such level.
     pub fn material_ranges(&self, level: usize) -> &[MaterialRange] {
         &self.0.ranges[level]
+    }
+
+    /// Number of draws of a level: of its materials those that differ in colour alone are one.
+    pub(super) fn draws(&self, level: usize) -> usize {
+        let ranges = self.0.ranges[level].iter();
+        ranges.filter(|range| !range.joins_previous).count()
     }
 
     /// Returns the properties of a level.

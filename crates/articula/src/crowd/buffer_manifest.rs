@@ -10,6 +10,7 @@ use articula_core::crowd::DrawKind;
 use articula_core::{CachedRows, PaletteForm};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
+use std::ops::Not;
 
 /// Names of the files with the buffers.
 pub(super) const BUFFER_FILES: [&str; 9] = [
@@ -134,6 +135,10 @@ pub struct PartManifest {
     pub first: usize,
     /// Number of triangles.
     pub count: usize,
+    /// Whether its material differs from that of the part before in the base colour factor alone, so that one draw can
+    /// show both.
+    #[serde(skip_serializing_if = "Not::not")]
+    pub joins_previous: bool,
 }
 
 impl BufferManifest {
@@ -221,6 +226,7 @@ fn levels(player: &CrowdPlayer) -> Vec<LevelManifest> {
             material: range.material,
             first: range.triangles.start,
             count: range.triangles.len(),
+            joins_previous: range.joins_previous,
         });
         let made = LevelManifest {
             matrices: asset.level(level).matrices,

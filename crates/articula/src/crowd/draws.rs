@@ -6,7 +6,8 @@ use articula_core::crowd::{Draw, DrawGroup, DrawKind, ImpostorDraw};
 use articula_core::{BlendRecord, Mesh};
 use std::ops::Range;
 
-/// Characters of one level whose poses are read alike: one instanced draw for each material of the mesh.
+/// Characters of one level whose poses are read alike: one instanced draw for each material of the mesh, or for several
+/// that differ in colour alone ([`MaterialRange::joins_previous`]).
 #[derive(Debug, Clone)]
 pub struct InstancedDraw<'a> {
     /// The level; 0 is full detail. Of impostors, which have none, the coarsest.

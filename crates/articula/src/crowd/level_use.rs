@@ -228,7 +228,7 @@ impl LevelTally {
                 draw_groups: mean(match is_impostor {
                     true => sums.groups,
                     // Without a mesh there is nothing to draw, and a draw is what it would be.
-                    false => sums.groups * asset.material_ranges(level).len().max(1),
+                    false => sums.groups * asset.draws(level).max(1),
                 }),
                 palette_bytes: drawn(DrawKind::Palette)
                     * (made.matrices * model.parts().form.bytes()) as f64,

@@ -1,5 +1,6 @@
 //! A character ready for playback: rig, mesh and clips built from an opened file.
 
+mod draw_materials;
 #[cfg(feature = "prepare")]
 pub(crate) mod source;
 
@@ -12,6 +13,8 @@ use articula_build::{Asset, ClipOptions, character, rig_and_mesh};
 use articula_core::source::{Character, RawMesh};
 use articula_formats::Warning;
 use articula_formats::prepared::SourceOrder;
+use draw_materials::draw_materials;
+use std::sync::Arc;
 
 /// An opened character with its runtime data: rig, mesh and clips.
 ///
@@ -203,6 +206,19 @@ impl Figure {
 
 /// Rig, mesh and clips of a character, with its meshes in the order of the source.
 fn assembled(
+    opened: &CharacterFile,
+    meshes: Option<&[RawMesh]>,
+    stored: Option<&Stored<'_>>,
+) -> Result<Asset> {
+    let mut asset = with_own_materials(opened, meshes, stored)?;
+    let drawn = draw_materials(opened);
+    for part in &mut Arc::make_mut(&mut asset.mesh).parts {
+        part.draw_material = part.material.map(|m| drawn.get(m).copied().unwrap_or(m));
+    }
+    Ok(asset)
+}
+
+fn with_own_materials(
     opened: &CharacterFile,
     meshes: Option<&[RawMesh]>,
     stored: Option<&Stored<'_>>,

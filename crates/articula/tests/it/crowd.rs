@@ -359,3 +359,46 @@ fn an_asset_of_other_clips_is_refused_and_changes_nothing() {
     assert!(refused.contains("other clips"), "{refused}");
     assert_eq!(shown(&crowd, 2), before);
 }
+
+/// Materials and draws of a character in full detail.
+fn materials_and_draws(opened: CharacterFile) -> [usize; 2] {
+    let figure = Figure::new(opened).unwrap();
+    let asset = CrowdAsset::at_once(&figure, &CrowdOptions::default()).unwrap();
+    let ranges = asset.material_ranges(0).iter();
+    let draws = ranges.clone().filter(|range| !range.joins_previous);
+    [ranges.len(), draws.count()]
+}
+
+#[test]
+fn parts_that_differ_in_colour_alone_are_one_draw() {
+    // Its materials have a colour each, and no texture.
+    let all = human().character().materials.len();
+    assert_eq!(all, 7);
+    assert_eq!(materials_and_draws(human()), [all, 1]);
+    let changed = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut document = human().gltf().unwrap().document.clone();
+        change(&mut document.json);
+        let nothing: &mut articula_formats::Resolver<'_> = &mut |_| Err("nothing".into());
+        let bytes = document.write_glb().unwrap();
+        articula::open(&bytes, "changed.glb", &OpenOptions::default(), nothing).unwrap()
+    };
+    let shiny = changed(&|json| {
+        json["materials"][1]["pbrMetallicRoughness"]["roughnessFactor"] = 0.25.into();
+    });
+    assert_eq!(materials_and_draws(shiny), [all, 2]);
+    let variants = changed(&|json| {
+        let day_and_night = serde_json::json!({"variants": [{"name": "day"}, {"name": "night"}]});
+        json["extensions"]["KHR_materials_variants"] = day_and_night;
+    });
+    assert_eq!(materials_and_draws(variants), [all, all]);
+    for (name, expected) in [
+        ("RobotExpressive", [3, 1]),
+        ("Quaternius_modular_men__Worker", [11, 1]),
+    ] {
+        let Some(path) = file(&format!("glb/{name}.glb")) else {
+            continue;
+        };
+        let found = materials_and_draws(articula::fs::open(path).unwrap());
+        assert_eq!(found, expected, "{name}");
+    }
+}

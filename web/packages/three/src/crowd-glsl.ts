@@ -1,6 +1,7 @@
 import { type Material, MeshDepthMaterial, MeshDistanceMaterial, RGBADepthPacking } from 'three';
 
 import {
+  colorByVertices,
   type CrowdMaterials,
   type CrowdPlaces,
   type CrowdShading,
@@ -18,8 +19,12 @@ import type { ImpostorShape } from './impostors.js';
 /** Poses crowds in the shaders of `WebGLRenderer`. */
 export class GlslShading implements CrowdShading {
   materials(source: Material, shape: CrowdShape): CrowdMaterials {
+    const material = source.clone();
+    if (shape.coloredByVertices) {
+      colorByVertices(material);
+    }
     return {
-      material: posed(source.clone(), shape, source),
+      material: posed(material, shape, source),
       depth: posed(new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), shape),
       distance: posed(new MeshDistanceMaterial(), shape),
     };

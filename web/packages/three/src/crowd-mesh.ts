@@ -2,14 +2,16 @@ import type { DrawGroup, Geometry } from '@articula/core';
 import {
   BufferAttribute,
   BufferGeometry,
+  type Color,
   DynamicDrawUsage,
+  Float32BufferAttribute,
   InstancedBufferAttribute,
   InstancedBufferGeometry,
   IntType,
   Mesh,
 } from 'three';
 
-import { addVertices, type MaterialRange, sortTriangles } from './geometry.js';
+import { addVertices, type MaterialRange, type MeshPart, partsByMaterial, sortTriangles } from './geometry.js';
 import { type CrowdMaterials, type CrowdMorphs, DRAW, entriesOf, MORPH_SET, weightsOf } from './crowd-shading.js';
 import { DataRows } from './data-rows.js';
 
@@ -36,7 +38,8 @@ export class LevelMesh implements GroupShape {
   readonly fours: number;
   readonly morphs: CrowdMorphs | undefined;
 
-  constructor(mesh: Geometry) {
+  /** `colorOf` returns the colour of a material. */
+  constructor(mesh: Geometry, colorOf: (material: number) => Color) {
     addVertices(this.geometry, mesh);
     this.fours = mesh.influences / 4;
     const entries = mesh.entries();
@@ -47,9 +50,14 @@ export class LevelMesh implements GroupShape {
       this.geometry.setAttribute(entriesOf(four), attribute);
       this.geometry.setAttribute(weightsOf(four), new BufferAttribute(every(weights, mesh.influences, four), 4));
     }
-    const { index, ranges } = sortTriangles(mesh);
+    const parts = partsByMaterial(mesh, true);
+    const { index, ranges } = sortTriangles(mesh.vertices, parts);
     this.geometry.setIndex(index);
     this.ranges = ranges;
+    const joined = [...parts.values()].filter((_, i) => ranges[i]?.isJoined).flat();
+    if (joined.length > 0) {
+      this.geometry.setAttribute('color', new Float32BufferAttribute(colorsOf(mesh, joined, colorOf), 4));
+    }
     this.morphs = morphsOf(mesh);
   }
 
@@ -59,7 +67,7 @@ export class LevelMesh implements GroupShape {
   }
 }
 
-/** Instances of one kind and level: a mesh for each material. */
+/** Instances of one kind and level: a mesh for each draw. */
 export class GroupMeshes {
   readonly meshes: readonly Mesh[];
   readonly #draws: InstancedBufferAttribute;
@@ -147,6 +155,22 @@ function send(attribute: InstancedBufferAttribute, numbers: number): void {
   attribute.clearUpdateRanges();
   attribute.addUpdateRange(0, numbers);
   attribute.needsUpdate = true;
+}
+
+/** Colours of vertices, of some parts multiplied with that of their material. */
+function colorsOf(mesh: Geometry, parts: readonly MeshPart[], colorOf: (material: number) => Color): Float32Array {
+  const colors = mesh.colors() ?? new Float32Array(mesh.vertices * 4).fill(1);
+  const own = colors.slice();
+  for (const { material, triangles } of parts) {
+    const { r, g, b } = colorOf(material);
+    for (const vertex of triangles) {
+      const at = vertex * 4;
+      colors[at] = (own[at] ?? 1) * r;
+      colors[at + 1] = (own[at + 1] ?? 1) * g;
+      colors[at + 2] = (own[at + 2] ?? 1) * b;
+    }
+  }
+  return colors;
 }
 
 /** Returns one run of four of the influences of each vertex. */

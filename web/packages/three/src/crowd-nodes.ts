@@ -3,6 +3,7 @@ import { attribute, Fn, If, Loop, materialColor, normalLocal, positionLocal, uin
 import type { Node } from 'three/webgpu';
 
 import {
+  colorByVertices,
   type CrowdMaterials,
   type CrowdPlaces,
   type CrowdShading,
@@ -20,6 +21,9 @@ import { held, matrix, moved, nodeMaterial, type Rows, type RowSource, turned } 
 export class NodeShading implements CrowdShading {
   materials(source: Material, shape: CrowdShape): CrowdMaterials {
     const material = nodeMaterial(source);
+    if (shape.coloredByVertices) {
+      colorByVertices(material);
+    }
     material.positionNode = poseNode(shape);
     if (shape.colors !== undefined) {
       const color = held(shape.colors)(character(shape)).xyz;

@@ -1,4 +1,4 @@
-import type { Material } from 'three';
+import { Color, type Material } from 'three';
 
 import type { DataRows } from './data-rows.js';
 import type { ImpostorShape } from './impostors.js';
@@ -22,6 +22,8 @@ export interface CrowdPlaces {
 export interface CrowdShape extends CrowdPlaces {
   /** Whether instances are blend records (uvec4) or have a palette (uvec2). */
   readonly blended: boolean;
+  /** Whether vertices have the colour of the material, which differs by part. */
+  readonly coloredByVertices: boolean;
   /** Matrices of palettes. */
   readonly palettes: DataRows;
   /** Runs of four influences of a vertex. */
@@ -46,6 +48,12 @@ export interface CrowdShading {
   materials(source: Material, shape: CrowdShape): CrowdMaterials;
   /** Materials of squares that show impostors. */
   impostors(source: Material, shape: ImpostorShape, places: CrowdPlaces): CrowdMaterials;
+}
+
+/** Makes a material, a copy, show the colours of vertices in place of its own. */
+export function colorByVertices(material: Material & { color?: Color }): void {
+  material.color = new Color(1, 1, 1);
+  material.vertexColors = true;
 }
 
 /** Names of vertex attributes. */

@@ -357,12 +357,13 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     const { kind } = group;
     if (kind === 'impostor') {
       const { geometry, materials } = this.#square();
-      const ranges = [{ material: -1, start: 0, count: Number.POSITIVE_INFINITY }];
+      const ranges = [{ material: -1, isJoined: false, start: 0, count: Number.POSITIVE_INFINITY }];
       return new GroupMeshes(kind, { geometry, ranges, morphs: undefined }, this.count, [materials]);
     }
     const level = this.#level(group.level);
-    const shown = level.ranges.map(({ material }) => this.asset.materialOf(material, variant));
-    const materials = shown.map((material) => this.#materialsOf(group, level, material));
+    const materials = level.ranges.map(({ material, isJoined }) =>
+      this.#materialsOf(group, level, this.asset.materialOf(material, variant), isJoined),
+    );
     return new GroupMeshes(kind, level, this.count, materials);
   }
 
@@ -382,16 +383,17 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
     let made = this.#levels.get(level);
     if (made === undefined) {
       const mesh = this.core.mesh(level);
-      made = new LevelMesh(mesh);
+      made = new LevelMesh(mesh, (material) => this.asset.material(material).color);
       mesh.free();
       this.#levels.set(level, made);
     }
     return made;
   }
 
-  #materialsOf({ kind, level }: DrawGroup, mesh: LevelMesh, material: number): CrowdMaterials {
+  #materialsOf({ kind, level }: DrawGroup, mesh: LevelMesh, material: number, isJoined: boolean): CrowdMaterials {
     const shape: CrowdShape = {
       blended: kind === 'record',
+      coloredByVertices: isJoined,
       palettes: kind === 'palette' ? this.#palettes : this.#cached,
       transforms: this.#transforms,
       colors: this.#colors,
@@ -401,7 +403,7 @@ export class PosedCrowd extends Object3D<CrowdEventMap> {
       morphTargets: this.#morphTargets,
     };
     // Levels without morph targets share shaders.
-    const key = [kind, mesh.fours, mesh.morphs === undefined ? '' : level, material].join(' ');
+    const key = [kind, mesh.fours, mesh.morphs === undefined ? '' : level, material, isJoined].join(' ');
     let made = this.#materials.get(key);
     if (made === undefined) {
       made = this.#shading.materials(this.asset.material(material), shape);

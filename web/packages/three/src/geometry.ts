@@ -4,10 +4,12 @@ import { BufferAttribute, BufferGeometry, Float32BufferAttribute, Uint16BufferAt
 /** Influences a vertex that three.js blends. */
 const BLENDED = 4;
 
-/** Triangles of one material. */
+/** Triangles of one draw: those of a material, or of several that differ in colour alone. */
 export interface MaterialRange {
-  /** Index of the file's material, or -1. */
+  /** Index of the file's material, or -1; the first of several. */
   readonly material: number;
+  /** Whether there are several, so that each part has its colour in those of its vertices. */
+  readonly isJoined: boolean;
   /** First index and number of indices. */
   readonly start: number;
   readonly count: number;
@@ -19,27 +21,47 @@ export interface SortedTriangles {
   readonly ranges: readonly MaterialRange[];
 }
 
-/** Returns the triangles of a mesh with one range for each material. */
-export function sortTriangles(mesh: Geometry): SortedTriangles {
+/** A part of a mesh. */
+export interface MeshPart {
+  readonly material: number;
+  /** Vertex indices of its triangles. */
+  readonly triangles: Uint32Array;
+}
+
+/** Returns the parts of a mesh by the material that draws them: their own, or as `Geometry.drawMaterials` joins them. */
+export function partsByMaterial(mesh: Geometry, join: boolean): Map<number, MeshPart[]> {
   const triangles = mesh.triangles();
   const parts = mesh.parts();
-  const byMaterial = new Map<number, Uint32Array[]>();
+  const drawn = join ? mesh.drawMaterials() : undefined;
+  const byMaterial = new Map<number, MeshPart[]>();
   for (let i = 0; i + 2 < parts.length; i += 3) {
     const [material = -1, first = 0, count = 0] = parts.subarray(i, i + 3);
-    const runs = byMaterial.get(material) ?? [];
-    runs.push(triangles.subarray(first * 3, (first + count) * 3));
-    byMaterial.set(material, runs);
+    if (count > 0) {
+      const by = drawn?.[i / 3] ?? material;
+      const found = byMaterial.get(by) ?? [];
+      found.push({ material, triangles: triangles.subarray(first * 3, (first + count) * 3) });
+      byMaterial.set(by, found);
+    }
   }
-  const sorted = mesh.vertices > 0xffff ? new Uint32Array(triangles.length) : new Uint16Array(triangles.length);
+  return byMaterial;
+}
+
+/** Returns the triangles of sorted parts with one range for each material. */
+export function sortTriangles(vertices: number, byMaterial: ReadonlyMap<number, readonly MeshPart[]>): SortedTriangles {
+  const all = [...byMaterial.values()].flat();
+  const count = all.reduce((sum, part) => sum + part.triangles.length, 0);
+  const sorted = vertices > 0xffff ? new Uint32Array(count) : new Uint16Array(count);
   const ranges: MaterialRange[] = [];
   let at = 0;
-  for (const [material, runs] of byMaterial) {
+  for (const parts of byMaterial.values()) {
     const start = at;
-    for (const run of runs) {
-      sorted.set(run, at);
-      at += run.length;
+    for (const { triangles } of parts) {
+      sorted.set(triangles, at);
+      at += triangles.length;
     }
-    ranges.push({ material, start, count: at - start });
+    const [{ material } = { material: -1 }] = parts;
+    const isJoined = parts.some((part) => part.material !== material);
+    ranges.push({ material, isJoined, start, count: at - start });
   }
   return { index: new BufferAttribute(sorted, 1), ranges };
 }
@@ -62,7 +84,7 @@ export function skinnedGeometry(mesh: Geometry): { geometry: BufferGeometry; ran
   const { entries, weights } = strongest(mesh);
   geometry.setAttribute('skinIndex', new Uint16BufferAttribute(entries, BLENDED));
   geometry.setAttribute('skinWeight', new Float32BufferAttribute(weights, BLENDED));
-  const { index, ranges } = sortTriangles(mesh);
+  const { index, ranges } = sortTriangles(mesh.vertices, partsByMaterial(mesh, false));
   geometry.setIndex(index);
   ranges.forEach(({ start, count }, i) => geometry.addGroup(start, count, i));
   return { geometry, ranges };

@@ -21,6 +21,7 @@ pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
             name: "all".into(),
             mesh: 0,
             material: None,
+            draw_material: None,
             vertices: 0..count,
             triangles: 0..triangles.len(),
         }],
