@@ -1,7 +1,7 @@
 //! Working memory of one joint of a batch.
 
 use super::lane_math::{load4, store4};
-use crate::simd::{Rows, Tile};
+use crate::simd::{Piece, Rows, Tile};
 
 /// Model-space matrix and rotation of one joint, for every character of a batch.
 #[derive(Debug, Clone, Copy)]
@@ -23,25 +23,29 @@ impl<const W: usize> Joint<W> {
 
 impl<const W: usize> Joint<W> {
     #[inline(always)]
-    pub(super) fn rows<L: Rows<W>>(&self) -> [[L; 4]; 3] {
+    pub(super) fn rows<P: Piece<W>>(&self, piece: usize) -> [[P; 4]; 3] {
         let [x, y, z] = &self.matrix;
-        [load4(x), load4(y), load4(z)]
+        [load4(x, piece), load4(y, piece), load4(z, piece)]
     }
 
     #[inline(always)]
-    pub(super) fn set_rows<L: Rows<W>>(&mut self, rows: [[L; 4]; 3]) {
+    pub(super) fn set_rows<P: Piece<W>>(&mut self, rows: [[P; 4]; 3], piece: usize) {
         let [x, y, z] = &mut self.matrix;
-        store4(rows[0], x);
-        store4(rows[1], y);
-        store4(rows[2], z);
+        store4(rows[0], x, piece);
+        store4(rows[1], y, piece);
+        store4(rows[2], z, piece);
     }
 
     /// The last column: the local translation before [`Batch::chain`], the model-space position
     /// after it.
     #[inline(always)]
-    pub(super) fn translation<L: Rows<W>>(&self) -> [L; 3] {
+    pub(super) fn translation<P: Piece<W>>(&self, piece: usize) -> [P; 3] {
         let [x, y, z] = &self.matrix;
-        [L::load(&x[3].0), L::load(&y[3].0), L::load(&z[3].0)]
+        [
+            P::load_piece(&x[3].0, piece),
+            P::load_piece(&y[3].0, piece),
+            P::load_piece(&z[3].0, piece),
+        ]
     }
 
     #[inline(always)]
@@ -54,9 +58,13 @@ impl<const W: usize> Joint<W> {
 
     /// The first row, which holds the scale before [`Batch::chain`].
     #[inline(always)]
-    pub(super) fn scale<L: Rows<W>>(&self) -> [L; 3] {
+    pub(super) fn scale<P: Piece<W>>(&self, piece: usize) -> [P; 3] {
         let [x, y, z, _] = &self.matrix[0];
-        [L::load(&x.0), L::load(&y.0), L::load(&z.0)]
+        [
+            P::load_piece(&x.0, piece),
+            P::load_piece(&y.0, piece),
+            P::load_piece(&z.0, piece),
+        ]
     }
 
     #[inline(always)]

@@ -9,7 +9,7 @@ use super::lane_math::{
 use super::write::{Lines, Out, Part};
 use crate::clip_set::{self, ClipSet};
 use crate::palette::{Entry, PaletteForm};
-use crate::simd::{Kernel, LANES, Lanes, Rows, WIDE, WideKernel};
+use crate::simd::{Kernel, LANES, Lanes, Piece, Rows, WIDE, WideKernel};
 
 /// One batch, written once for all backends.
 pub(super) struct Batch<'a, const W: usize> {
@@ -82,7 +82,9 @@ impl<const W: usize> Batch<'_, W> {
             for place in first..end {
                 let lanes = (place - first) * (W / block)..(place - first + 1) * (W / block);
                 lines.prefetch(lanes, self.next.entry);
-                self.chain::<L>(place);
+                for piece in 0..<L::Piece>::COUNT {
+                    self.chain::<L::Piece>(place, piece);
+                }
             }
             self.write::<L>(end);
         }
@@ -107,7 +109,7 @@ impl<const W: usize> Batch<'_, W> {
             if let Some((to, fade)) = to {
                 rotation = faded(rotation, normalised(to.slot::<F>(clips, slot)), *fade);
             }
-            store4(rotation, &mut self.joints[place].rotation);
+            store4(rotation, &mut self.joints[place].rotation, 0);
             next.rotation += 1;
         }
         let (places, first) = clips.translations();
@@ -124,9 +126,9 @@ impl<const W: usize> Batch<'_, W> {
         }
     }
 
-    /// Computes the model-space matrix of one joint from that of its parent.
+    /// Computes the model-space matrix of one joint from that of its parent, of a piece of the lanes.
     #[inline(always)]
-    fn chain<L: Rows<W>>(&mut self, place: usize) {
+    fn chain<P: Piece<W>>(&mut self, place: usize, piece: usize) {
         let clips = self.clips;
         let (above, joint) = self.joints.split_at_mut(place);
         let joint = &mut joint[0];
@@ -135,28 +137,31 @@ impl<const W: usize> Batch<'_, W> {
         if let (Some(parent), Some(local)) = (parent, clips.still(place))
             && !self.form.is_rigid()
         {
-            joint.set_rows(times::<L>(&parent.rows(), local));
+            joint.set_rows(times::<P>(&parent.rows(piece), local), piece);
             return;
         }
         let (source, constant) = (&clips.sources()[place], &clips.constants()[place]);
         let rotation = match source[0] {
-            Some(_) => load4(&joint.rotation),
+            Some(_) => load4(&joint.rotation, piece),
             None => splat4(constant.rotation.to_array()),
         };
         let translation = match source[1] {
-            Some(_) => joint.translation(),
+            Some(_) => joint.translation(piece),
             None => splat3(constant.translation),
         };
         if clips.scaled()[place] {
             let scale = match source[2] {
-                Some(_) => joint.scale(),
+                Some(_) => joint.scale(piece),
                 None => splat3(constant.scale),
             };
-            joint.set_rows(matrix_chain::<L, W>(parent, rotation, translation, scale));
+            joint.set_rows(
+                matrix_chain::<P, W>((parent, piece), rotation, translation, scale),
+                piece,
+            );
         } else {
-            let (rows, rotation) = quaternion_chain::<L, W>(parent, rotation, translation);
-            joint.set_rows(rows);
-            store4(rotation, &mut joint.rotation);
+            let (rows, rotation) = quaternion_chain::<P, W>((parent, piece), rotation, translation);
+            joint.set_rows(rows, piece);
+            store4(rotation, &mut joint.rotation, piece);
         }
     }
 
@@ -192,16 +197,16 @@ fn before(end: usize, places: &[u16], index: usize) -> Option<usize> {
 
 /// Model-space matrix and rotation of a joint without scale.
 #[inline(always)]
-fn quaternion_chain<L: Rows<W>, const W: usize>(
-    parent: Option<&Joint<W>>,
-    rotation: [L; 4],
-    translation: [L; 3],
-) -> ([[L; 4]; 3], [L; 4]) {
+fn quaternion_chain<P: Piece<W>, const W: usize>(
+    (parent, piece): (Option<&Joint<W>>, usize),
+    rotation: [P; 4],
+    translation: [P; 3],
+) -> ([[P; 4]; 3], [P; 4]) {
     let (rotation, [tx, ty, tz]) = match parent {
         None => (rotation, translation),
         Some(parent) => (
-            product(load4(&parent.rotation), rotation),
-            moved(&parent.rows(), translation),
+            product(load4(&parent.rotation, piece), rotation),
+            moved(&parent.rows(piece), translation),
         ),
     };
     let [x, y, z] = matrix_of(rotation);
@@ -216,12 +221,12 @@ fn quaternion_chain<L: Rows<W>, const W: usize>(
 /// Model-space matrix of a joint with scale, by products of matrices, so that children inherit
 /// shear as in glTF.
 #[inline(always)]
-fn matrix_chain<L: Rows<W>, const W: usize>(
-    parent: Option<&Joint<W>>,
-    rotation: [L; 4],
-    translation: [L; 3],
-    scale: [L; 3],
-) -> [[L; 4]; 3] {
+fn matrix_chain<P: Piece<W>, const W: usize>(
+    (parent, piece): (Option<&Joint<W>>, usize),
+    rotation: [P; 4],
+    translation: [P; 3],
+    scale: [P; 3],
+) -> [[P; 4]; 3] {
     let [x, y, z] = matrix_of(rotation);
     let column = [
         [x[0].mul(scale[0]), y[0].mul(scale[0]), z[0].mul(scale[0])],
@@ -231,7 +236,7 @@ fn matrix_chain<L: Rows<W>, const W: usize>(
     let [a, b, c, d] = match parent {
         None => [column[0], column[1], column[2], translation],
         Some(parent) => {
-            let rows = parent.rows();
+            let rows = parent.rows(piece);
             [
                 turned(&rows, column[0]),
                 turned(&rows, column[1]),

@@ -1,6 +1,6 @@
 //! Vector arithmetic of a batch of characters at once: quaternions, points and matrix rows in lanes.
 
-use crate::simd::{Lanes, Row, Rows, Tile, Vector};
+use crate::simd::{LANES, Piece, Row, Tile, Vector};
 use glam::Vec3;
 
 // No closures and no iterators over lanes below: they would be compiled without the backend's
@@ -22,27 +22,40 @@ pub(super) fn splat3<L: Vector>(v: Vec3) -> [L; 3] {
 }
 
 #[inline(always)]
-pub(super) fn load4<L: Rows<W>, const W: usize>(tiles: &[Tile<W>; 4]) -> [L; 4] {
-    let [a, b, c, d] = tiles;
-    [L::load(&a.0), L::load(&b.0), L::load(&c.0), L::load(&d.0)]
-}
-
-/// Those of the lanes from `8 * i` on.
-#[inline(always)]
-pub(super) fn eight_of<L: Lanes, const W: usize>(tiles: &[Tile<W>; 4], i: usize) -> [L; 4] {
+pub(super) fn load4<P: Piece<W>, const W: usize>(tiles: &[Tile<W>; 4], piece: usize) -> [P; 4] {
     let [a, b, c, d] = tiles;
     [
-        L::load(a.eight(i)),
-        L::load(b.eight(i)),
-        L::load(c.eight(i)),
-        L::load(d.eight(i)),
+        P::load_piece(&a.0, piece),
+        P::load_piece(&b.0, piece),
+        P::load_piece(&c.0, piece),
+        P::load_piece(&d.0, piece),
+    ]
+}
+
+/// A piece of the lanes from `8 * eight` on.
+#[inline(always)]
+pub(super) fn eight_of<P: Piece<LANES>, const W: usize>(
+    tiles: &[Tile<W>; 4],
+    eight: usize,
+    piece: usize,
+) -> [P; 4] {
+    let [a, b, c, d] = tiles;
+    [
+        P::load_piece(a.eight(eight), piece),
+        P::load_piece(b.eight(eight), piece),
+        P::load_piece(c.eight(eight), piece),
+        P::load_piece(d.eight(eight), piece),
     ]
 }
 
 #[inline(always)]
-pub(super) fn store4<L: Rows<W>, const W: usize>(lanes: [L; 4], tiles: &mut [Tile<W>; 4]) {
+pub(super) fn store4<P: Piece<W>, const W: usize>(
+    lanes: [P; 4],
+    tiles: &mut [Tile<W>; 4],
+    piece: usize,
+) {
     for i in 0..4 {
-        lanes[i].store(&mut tiles[i]);
+        lanes[i].store_piece(&mut tiles[i], piece);
     }
 }
 

@@ -3,7 +3,7 @@
 use super::joint::Joint;
 use super::lane_math::{bound, eight_of, moved, product, splat3, splat4, store4};
 use crate::palette::{Bind, Entry, PaletteForm};
-use crate::simd::{LANES, Lanes, Row, Tile, prefetch_to_write};
+use crate::simd::{LANES, Lanes, Piece, Row, Rows, Tile, prefetch_to_write};
 use std::ops::Range;
 
 /// Output of the kernel.
@@ -50,6 +50,9 @@ impl Number for u16 {
     }
 }
 
+/// Lanes of eight that are bound at once.
+type PieceOf<L> = <L as Rows<LANES>>::Piece;
+
 /// Entries of a palette that are written together.
 pub(super) struct Part<'a, const W: usize> {
     pub(super) joints: &'a [Joint<W>],
@@ -76,9 +79,9 @@ impl<const W: usize> Part<'_, W> {
                     continue;
                 };
                 let mut bones = [[Tile::ZERO; 4]; 3];
-                store4(bound(eight_of::<L, W>(x, eight), b), &mut bones[0]);
-                store4(bound(eight_of::<L, W>(y, eight), b), &mut bones[1]);
-                store4(bound(eight_of::<L, W>(z, eight), b), &mut bones[2]);
+                for piece in 0..<PieceOf<L>>::COUNT {
+                    bind_rows::<PieceOf<L>, W>([x, y, z], (eight, piece), b, &mut bones);
+                }
                 let [x, y, z] = &bones;
                 let rows = [together(x), together(y), together(z)];
                 N::store::<L, LANES, _>(rows, 0, out, stride, at);
@@ -103,21 +106,51 @@ impl<const W: usize> Part<'_, W> {
                     N::store::<L, W, _>(rows, eight, out, stride, at);
                     continue;
                 };
-                let rotation = eight_of::<L, W>(&joint.rotation, eight);
-                let rows = [eight_of(x, eight), eight_of(y, eight), eight_of(z, eight)];
+                let rotation = eight_of::<L, W>(&joint.rotation, eight, 0);
+                let rows = [
+                    eight_of(x, eight, 0),
+                    eight_of(y, eight, 0),
+                    eight_of(z, eight, 0),
+                ];
                 let [x, y, z] = moved(&rows, splat3(bind.translation));
                 let mut bone = [[Tile::ZERO; 4]; 2];
                 store4(
                     product(rotation, splat4(bind.rotation.to_array())),
                     &mut bone[0],
+                    0,
                 );
-                store4([x, y, z, L::splat(1.0)], &mut bone[1]);
+                store4([x, y, z, L::splat(1.0)], &mut bone[1], 0);
                 let [rotation, translation] = &bone;
                 let rows = [together(rotation), together(translation)];
                 N::store::<L, LANES, _>(rows, 0, out, stride, at);
             }
         }
     }
+}
+
+/// Rows of matrices times a bind matrix, of a piece of eight lanes.
+#[inline(always)]
+fn bind_rows<P: Piece<LANES>, const W: usize>(
+    [x, y, z]: [&[Tile<W>; 4]; 3],
+    (eight, piece): (usize, usize),
+    bind: &[Row; 3],
+    out: &mut [[Tile; 4]; 3],
+) {
+    store4(
+        bound::<P>(eight_of(x, eight, piece), bind),
+        &mut out[0],
+        piece,
+    );
+    store4(
+        bound::<P>(eight_of(y, eight, piece), bind),
+        &mut out[1],
+        piece,
+    );
+    store4(
+        bound::<P>(eight_of(z, eight, piece), bind),
+        &mut out[2],
+        piece,
+    );
 }
 
 #[inline(always)]

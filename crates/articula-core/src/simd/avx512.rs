@@ -165,6 +165,7 @@ impl Vector for Avx512 {
 impl Rows<WIDE> for Avx512 {
     type Weights = [__m512; 4];
     type Eight = Avx2;
+    type Piece = Self;
 
     #[inline(always)]
     fn load(from: &[f32; WIDE]) -> Self {

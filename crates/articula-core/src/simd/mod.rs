@@ -155,6 +155,8 @@ pub(crate) trait Rows<const W: usize>: Vector {
     type Weights: Copy;
     /// The backend's eight lanes.
     type Eight: Lanes;
+    /// Lanes that a step of many numbers takes at once.
+    type Piece: Piece<W>;
 
     fn load(from: &[f32; W]) -> Self;
     fn store(self, to: &mut Tile<W>);
@@ -168,6 +170,30 @@ pub(crate) trait Rows<const W: usize>: Vector {
         after: [&[i16; 4]; W],
         weights: Self::Weights,
     ) -> [Self; 4];
+}
+
+/// Some of the lanes: all, or one vector of several where a step needs more of these than the processor has
+/// registers.
+pub(crate) trait Piece<const W: usize>: Vector {
+    /// Number of pieces of the lanes.
+    const COUNT: usize;
+
+    fn load_piece(from: &[f32; W], piece: usize) -> Self;
+    fn store_piece(self, to: &mut Tile<W>, piece: usize);
+}
+
+impl<const W: usize, L: Rows<W>> Piece<W> for L {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn load_piece(from: &[f32; W], _: usize) -> Self {
+        Self::load(from)
+    }
+
+    #[inline(always)]
+    fn store_piece(self, to: &mut Tile<W>, _: usize) {
+        self.store(to);
+    }
 }
 
 /// Eight numbers that can be compared, and rows written for eight characters.

@@ -140,6 +140,7 @@ impl Vector for Neon {
 impl Rows<LANES> for Neon {
     type Weights = [float32x4_t; LANES];
     type Eight = Self;
+    type Piece = Self;
 
     #[inline(always)]
     fn load(from: &[f32; LANES]) -> Self {

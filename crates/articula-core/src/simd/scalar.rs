@@ -74,6 +74,7 @@ impl Vector for Plain {
 impl Rows<LANES> for Plain {
     type Weights = [f32; LANES];
     type Eight = Plain;
+    type Piece = Self;
 
     fn load(from: &[f32; LANES]) -> Self {
         Self(*from)
@@ -169,6 +170,7 @@ impl Vector for PlainWide {
 impl Rows<WIDE> for PlainWide {
     type Weights = [f32; WIDE];
     type Eight = Plain;
+    type Piece = Self;
 
     fn load(from: &[f32; WIDE]) -> Self {
         Self(halves(from).map(Plain::load))

@@ -5,7 +5,7 @@
 )]
 
 use super::half::half_from_f32;
-use super::{Kernel, LANES, Lanes, Row, Rows, Tile, Vector};
+use super::{Kernel, LANES, Lanes, Piece, Row, Rows, Tile, Vector};
 use std::arch::wasm32::*;
 
 /// Runs a kernel on 128-bit vectors.
@@ -118,6 +118,7 @@ impl Vector for Simd128 {
 impl Rows<LANES> for Simd128 {
     type Weights = [v128; LANES];
     type Eight = Self;
+    type Piece = Four;
 
     #[inline(always)]
     fn load(from: &[f32; LANES]) -> Self {
@@ -158,6 +159,71 @@ impl Rows<LANES> for Simd128 {
             f32x4_convert_i32x4(wide)
         };
         Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+}
+
+/// Four of the lanes. Of eight, a product of matrices does not fit the registers.
+#[derive(Clone, Copy)]
+struct Four(v128);
+
+impl Piece<LANES> for Four {
+    const COUNT: usize = 2;
+
+    #[inline(always)]
+    fn load_piece(from: &[f32; LANES], piece: usize) -> Self {
+        let from = &from.as_chunks::<4>().0[piece];
+        Self(loaded(from))
+    }
+
+    #[inline(always)]
+    fn store_piece(self, to: &mut Tile, piece: usize) {
+        let to = &mut to.0.as_chunks_mut::<4>().0[piece];
+        // SAFETY: four numbers are written to four.
+        unsafe { v128_store(to.as_mut_ptr().cast(), self.0) };
+    }
+}
+
+impl Vector for Four {
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self(f32x4_splat(value))
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(f32x4_add(self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(f32x4_sub(self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(f32x4_mul(self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self(f32x4_div(self.0, other.0))
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(f32x4_sqrt(self.0))
+    }
+
+    #[inline(always)]
+    fn sign(self) -> Self {
+        let sign = v128_and(self.0, f32x4_splat(-0.0));
+        Self(v128_or(sign, f32x4_splat(1.0)))
+    }
+
+    #[inline(always)]
+    fn if_nonzero(self, yes: Self, no: Self) -> Self {
+        let any = f32x4_ne(self.0, f32x4_splat(0.0));
+        Self(v128_bitselect(yes.0, no.0, any))
     }
 }
 

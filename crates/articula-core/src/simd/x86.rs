@@ -227,6 +227,7 @@ impl Vector for Avx2 {
 impl Rows<LANES> for Avx2 {
     type Weights = [__m256; 4];
     type Eight = Self;
+    type Piece = Self;
 
     #[inline(always)]
     fn load(from: &[f32; LANES]) -> Self {
@@ -529,6 +530,7 @@ impl Vector for Sse2 {
 impl Rows<LANES> for Sse2 {
     type Weights = [__m128; LANES];
     type Eight = Self;
+    type Piece = Self;
 
     #[inline(always)]
     fn load(from: &[f32; LANES]) -> Self {
