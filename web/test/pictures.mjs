@@ -9,12 +9,13 @@ const MOST_PERCENT = 0.5;
 /** Pixels that a character and its shadow change at least, in percent. */
 const LEAST_SHOWN = 2;
 
+// Those with a number of draws have 3 to 8 materials that differ in colour alone.
 const FILES = [
-  { file: 'glb/Quaternius_single_knight_pack__KnightCharacter.glb', clip: 'HumanArmature|Run_swordAttack' },
+  { file: 'glb/Quaternius_single_knight_pack__KnightCharacter.glb', clip: 'HumanArmature|Run_swordAttack', draws: 1 },
   { file: 'glb/pab_arnaud.glb', clip: 'walk' },
-  { file: 'glb/Quaternius_modular_men__Suit.glb', clip: undefined },
-  { file: 'glb/RobotExpressive.glb', clip: 'Robot_Dance' },
-  { file: 'glb/ict_head_talk_554.glb', clip: 'talk_turn' },
+  { file: 'glb/Quaternius_modular_men__Suit.glb', clip: undefined, draws: 1 },
+  { file: 'glb/RobotExpressive.glb', clip: 'Robot_Dance', draws: 1 },
+  { file: 'glb/ict_head_talk_554.glb', clip: 'talk_turn', draws: 1 },
   { file: 'vrm/debug_robot.vrm', clip: undefined },
 ];
 
@@ -54,11 +55,15 @@ const EXAMPLES = [
 
 export const PICTURES = ['webgl', 'webgpu-webgl', 'webgpu'].flatMap((kind) => [
   { name: `pictures ${kind} made`, share: kind, call: ['made', [kind]], check },
-  ...FILES.map(({ file, clip }) => ({
+  ...FILES.map(({ file, clip, draws }) => ({
     name: `pictures ${kind} ${file.split('/')[1]}`,
     share: kind,
     call: ['pictures', [kind, `/assets/${file}`, clip]],
-    check,
+    async check(result, save) {
+      const found = result.crowd.draws;
+      const isOther = draws !== undefined && found !== draws;
+      return [...(await check(result, save)), ...(isOther ? [`${found} draws, expected ${draws}`] : [])];
+    },
   })),
 ]).concat(ofData(), EXAMPLES);
 

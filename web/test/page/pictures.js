@@ -70,6 +70,7 @@ async function crowdBeside(renderer, asset, makeTheirs, { scene, camera }, clip,
   crowd.update(0, camera, renderer);
   scene.add(crowd);
   const ours = draw(renderer, scene, camera);
+  const draws = crowd.children.filter((mesh) => mesh.visible).length;
   crowd.dispose();
-  return { ...(await compare(reference, ours)), shown: shown(empty, ours) };
+  return { ...(await compare(reference, ours)), shown: shown(empty, ours), draws };
 }
