@@ -5,8 +5,8 @@ use articula_core::{FigureLevel, Mesh, Part};
 /// Maximum cost of a level, relative to the level before.
 const WORTH: f32 = 0.88;
 
-/// Most draws of a character's levels: a level is drawn once for each of its materials that differ in more than colour and for each of the usual
-/// sources of poses.
+/// Most draws of a character's levels: a level is drawn once for each of its materials that differ in more than colour
+/// and for each of the usual sources of poses.
 const DRAWS: usize = 60;
 const SOURCES: usize = 2;
 
