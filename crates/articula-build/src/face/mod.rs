@@ -49,5 +49,5 @@ pub use intervals::FapInterval;
 pub use mouth::{BrokenMotions, MouthChart, MouthMotions};
 pub use names::{ChosenControl, FaceCandidate, NamedControl, choose_controls, face_control};
 pub use points::{FacePoint, FacePoints, FaceSurface, FaceUnits, NoFace, PointSource, UnitRatio};
-pub use table::{EyeShape, FaceTable, NoLids, normal_offsets, without_lids};
+pub use table::{EyeShape, FaceTable, JawMotion, NoLids, normal_offsets, without_lids};
 pub use unfold::SkinFolds;

@@ -56,8 +56,14 @@ impl Publisher {
             )?;
             let written = [(PAGE.to_owned(), page.into_bytes())];
             let error = portrait_errors(&made, &head, &shot.options, work)?;
-            let report =
-                PortraitReport::new(PAGE.to_owned(), &made, &written, error, &shot.options)?;
+            let report = PortraitReport::new(
+                PAGE.to_owned(),
+                &made,
+                &head,
+                &written,
+                error,
+                &shot.options,
+            )?;
             let report = serde_json::to_vec(&report)
                 .map_err(|error| articula::Error::Write(Box::new(error)))?;
             let mut files = made.to_files(PictureFormat::WebP)?;
@@ -80,6 +86,7 @@ impl Options {
                 height_px: SIZE_PX,
                 fov_y_radians: FOV_DEG.to_radians(),
             },
+            default_mouth: true,
             // Three views do not show a head from above.
             options: PortraitOptions {
                 pitch_limit_degrees: 10.0,

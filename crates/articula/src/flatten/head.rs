@@ -5,14 +5,15 @@ use super::expressions::expressions;
 use super::eyes::Eyes;
 use super::inputs::inputs;
 use super::judged::RegionWeights;
+use super::mouth::{DefaultMouth, TeethAndTongue};
 use crate::error::{Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
 use crate::head::{head_joints, head_vertices};
 use articula_build::decimate;
 use articula_core::{
-    Camera, Clip, ModelPose, PosedMesh, Region, Rig, Viewport, Wrap, angle_between, local_to_model,
-    sample,
+    Camera, Clip, Mesh, ModelPose, PosedMesh, Region, Rig, Viewport, Wrap, angle_between,
+    local_to_model, sample,
 };
 use articula_flat::flatten::JudgedRegion;
 use articula_flat::portrait::{
@@ -20,6 +21,7 @@ use articula_flat::portrait::{
 };
 use articula_flat::{Appearance, Bounds, tight_view};
 use glam::Vec3;
+use std::borrow::Cow;
 
 /// Margin around the head as a fraction of its height: hair above, neck and shoulders below.
 const AROUND: f32 = 0.12;
@@ -31,12 +33,15 @@ const STILL: f32 = 1e-3;
 /// A head framed by a camera, ready for making a portrait.
 pub struct FramedHead<'a> {
     figure: &'a Figure,
+    mesh: Cow<'a, Mesh>,
     appearance: Appearance,
     head: Head,
     expressions: Vec<PortraitExpression>,
     clips: Vec<PortraitClip>,
     camera: Camera,
-    /// Triangles of its 2D mesh, as indices of the character's vertices.
+    /// Where its teeth and its tongue are from.
+    pub(super) teeth_and_tongue: TeethAndTongue,
+    /// Triangles of its 2D mesh, as indices of the character's vertices and of those of a default mouth, which follow.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -110,13 +115,44 @@ impl<'a> FramedHead<'a> {
         expressions.extend(eyes.expressions());
         Ok(Self {
             figure,
+            mesh: Cow::Borrowed(&asset.mesh),
             appearance,
             head,
             expressions,
             clips: sampled.into_iter().collect(),
             camera,
+            teeth_and_tongue: TeethAndTongue::LeftOut,
             triangles,
         })
+    }
+
+    /// Adds a default inside of the mouth, or says why there is none.
+    pub(super) fn with_mouth(mut self, mouth: &Result<DefaultMouth, TeethAndTongue>) -> Self {
+        let mouth = match mouth {
+            Ok(mouth) => mouth,
+            Err(why) => {
+                self.teeth_and_tongue = *why;
+                return self;
+            }
+        };
+        self.teeth_and_tongue = TeethAndTongue::Default;
+        self.mesh = Cow::Owned(mouth.mesh.clone());
+        self.triangles.extend(&mouth.triangles);
+        self.appearance.materials.push(mouth.material.clone());
+        let all = self.expressions.len();
+        for added in &mouth.expressions {
+            // The head may have the name, of a shape that moves nothing.
+            match self.expressions[..all]
+                .iter_mut()
+                .find(|e| e.name == added.name)
+            {
+                Some(known) => known.morphs.extend(&added.morphs),
+                None => self.expressions.push(added.clone()),
+            }
+        }
+        let frames = self.clips.iter_mut().flat_map(|clip| &mut clip.weights);
+        frames.for_each(|weights| weights.resize(self.expressions.len(), 0.0));
+        self
     }
 
     /// Returns what drives the portrait besides its expressions: with a face animation table the blend
@@ -128,7 +164,7 @@ impl<'a> FramedHead<'a> {
     /// Returns the source data of the portrait.
     pub fn source(&self) -> PortraitSource<'_> {
         PortraitSource {
-            mesh: &self.figure.asset.mesh,
+            mesh: &self.mesh,
             rig: &self.figure.asset.rig,
             appearance: &self.appearance,
             triangles: &self.triangles,

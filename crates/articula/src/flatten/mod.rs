@@ -12,6 +12,7 @@ mod head;
 mod inputs;
 mod judged;
 mod live;
+mod mouth;
 mod portrait;
 mod report;
 mod shown_clip;
@@ -23,6 +24,7 @@ pub use framed::{
 };
 pub use head::FramedHead;
 pub use judged::{DETAIL_DELTA_E, FACE_DELTA_E, REST_DELTA_E, RegionWeights, TriedTriangles};
+pub use mouth::TeethAndTongue;
 pub use portrait::{PortraitReport, PortraitShot, YawError, portrait, portrait_errors};
 pub use report::{
     BytesPerTriangle, DetailDifference, FlatBytes, FlatErrors, FlatSettings, FlatTexture,

@@ -1,6 +1,7 @@
 //! A head as a portrait, and how far it is from the figure.
 
 use super::head::FramedHead;
+use super::mouth::{DefaultMouth, TeethAndTongue};
 use super::report::{FlatBytes, RepresentationReport};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
@@ -30,6 +31,8 @@ pub struct PortraitShot {
     pub triangles: Option<usize>,
     /// The picture.
     pub viewport: Viewport,
+    /// Whether a head without teeth and tongue gets default ones.
+    pub default_mouth: bool,
     /// Views, limits of the angles, and tolerance of positions.
     pub options: PortraitOptions,
 }
@@ -64,6 +67,8 @@ pub struct PortraitReport {
     pub inputs: usize,
     /// Number of frames of the clip; 0 without one.
     pub frames: usize,
+    /// Where teeth and tongue are from.
+    pub teeth_and_tongue: TeethAndTongue,
     /// Width and height, pixels.
     pub size_px: (u32, u32),
     /// Errors when the head turns.
@@ -86,8 +91,12 @@ pub fn portrait<'a>(
     shot: &PortraitShot,
     work: &Executor<'_>,
 ) -> Result<(FramedHead<'a>, Portrait)> {
+    let mouth = match shot.default_mouth {
+        true => DefaultMouth::of(figure),
+        false => Err(TeethAndTongue::LeftOut),
+    };
     let with = |count: usize| -> Result<_> {
-        let head = FramedHead::new(figure, shot.clip, count, shot.viewport)?;
+        let head = FramedHead::new(figure, shot.clip, count, shot.viewport)?.with_mouth(&mouth);
         let mut portrait = work.with_progress("making the portrait", |progress| {
             build(&head.source(), &shot.options, progress)
         })?;
@@ -150,6 +159,7 @@ impl PortraitReport {
     pub fn new(
         out: String,
         portrait: &Portrait,
+        head: &FramedHead<'_>,
         files: &[(String, Vec<u8>)],
         error: Vec<YawError>,
         options: &PortraitOptions,
@@ -171,6 +181,7 @@ impl PortraitReport {
             expressions: counts.expressions,
             inputs: portrait.inputs.len(),
             frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
+            teeth_and_tongue: head.teeth_and_tongue,
             size_px: portrait.size,
             representation: RepresentationReport::new(Representation {
                 modality: "portrait".into(),

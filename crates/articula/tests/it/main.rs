@@ -39,6 +39,7 @@ mod mp4;
 mod optimized;
 mod optimized_textures;
 mod played_traces;
+mod portrait_mouths;
 mod prepared;
 mod promised_errors;
 #[path = "../../../articula-formats/tests/it/real/mod.rs"]

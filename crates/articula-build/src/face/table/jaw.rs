@@ -1,21 +1,22 @@
 //! How the lower jaw goes, by the motion of the chin: it turns about its hinge, and what is left of the motion is a shift.
 
+use super::super::points::FacePoints;
 use super::FaceTable;
 use articula_core::{Libm, LibmQuat};
 use glam::{Quat, Vec2, Vec3};
 
 /// A motion of the lower jaw.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::face) struct JawMotion {
+pub struct JawMotion {
     turn: Quat,
     /// metres.
     shift: Vec3,
 }
 
 impl JawMotion {
-    /// The motion that takes a chin, relative to the hinge, by a displacement. The turn lowers or raises it, the shift
-    /// is level.
-    fn of(chin: Vec3, moved: Vec3) -> Self {
+    /// Returns the motion that takes a chin, relative to the [hinge](FacePoints::jaw_hinge), by a displacement. The turn
+    /// lowers or raises it, the shift is level.
+    pub fn of(chin: Vec3, moved: Vec3) -> Self {
         let arm = Vec2::new(chin.z, chin.y);
         let length = arm.length();
         let to = (chin.y + moved.y).clamp(-0.99 * length, 0.99 * length);
@@ -28,8 +29,24 @@ impl JawMotion {
         }
     }
 
-    fn of_place(&self, from: Vec3) -> Vec3 {
+    /// Returns the displacement of a place of the lower jaw, relative to the hinge; metres.
+    pub fn of_place(&self, from: Vec3) -> Vec3 {
         self.turn * from - from + self.shift
+    }
+}
+
+impl FacePoints {
+    /// Returns the middle between the hinges of the lower jaw, a quarter of the way from the lobes of the ears up to their
+    /// tops.
+    pub fn jaw_hinge(&self) -> Option<Vec3> {
+        let place = |point| self.get(point).map(|p| p.place);
+        let (left, right) = (place((10, 9))?, place((10, 10))?);
+        let (lobe, top) = (place((10, 7))?, left);
+        Some(Vec3::new(
+            0.5 * (left.x + right.x),
+            lobe.y + 0.25 * (top.y - lobe.y),
+            0.5 * (left.z + right.z),
+        ))
     }
 }
 

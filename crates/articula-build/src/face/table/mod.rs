@@ -57,6 +57,7 @@ pub(super) use mirror::Mirror;
 pub(super) use weights::sheet;
 
 pub use eye_shape::EyeShape;
+pub use jaw::JawMotion;
 pub use lid_view::NoLids;
 pub use normals::normal_offsets;
 
@@ -101,16 +102,10 @@ impl FaceTable {
         let snap = Snap::new(surface, parts, height);
         let rim = |lid: PointId, near: Vec3| snap.vertex(lid, near);
         let handles = handles(points, rim, at);
-        let (left, right) = (place((10, 9))?, place((10, 10))?);
-        let (lobe, top) = (place((10, 7))?, left);
         let frame = RuleFrame {
             units: points.units(),
             chin: place((2, 1))?,
-            hinge: Vec3::new(
-                0.5 * (left.x + right.x),
-                lobe.y + 0.25 * (top.y - lobe.y),
-                0.5 * (left.z + right.z),
-            ),
+            hinge: points.jaw_hinge()?,
         };
         let mirror = Mirror::of(&surface.positions, &parts.joined, place((9, 3))?.x);
         let graph = SurfaceGraph::of(&surface.positions, &parts.joined, &parts.skin, &mirror);

@@ -218,6 +218,9 @@ pub(crate) struct SpecialArgs {
     /// portrait: sound file to play in sync with the mouth
     #[arg(long, value_name = "FILE")]
     pub(crate) audio: Option<PathBuf>,
+    /// portrait: leave a head without teeth and tongue as it is, in place of default ones
+    #[arg(long)]
+    pub(crate) no_default_mouth: bool,
     /// thesis: SVG elements to write
     #[arg(long, value_enum, value_name = "FORM", default_value = "path")]
     pub(crate) form: FormName,

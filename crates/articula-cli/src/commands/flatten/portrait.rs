@@ -36,6 +36,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             height_px: args.shot.size.1 as f32,
             fov_y_radians: args.shot.fov_deg.to_radians(),
         },
+        default_mouth: !args.special.no_default_mouth,
         options: options(args)?,
     };
     if shot.clip.is_none() && args.special.audio.is_some() {
@@ -58,7 +59,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .work(|work| portrait_errors(&made, &head, &shot.options, work))
         .with_context(|| figure.opened.name().to_owned())?;
     let out = files::shown(args.out());
-    let mut report = PortraitReport::new(out, &made, &written, error, &shot.options)?;
+    let mut report = PortraitReport::new(out, &made, &head, &written, error, &shot.options)?;
     let far = std::mem::take(&mut report.warnings);
     report.warnings = open::warnings(figure.opened.warnings())
         .into_iter()
@@ -196,6 +197,9 @@ fn text(report: &PortraitReport) -> String {
         report.written.len(),
         errors.join(", "),
     );
+    if let Some(line) = report.teeth_and_tongue.line() {
+        text.push_str(&format!("{line}\n"));
+    }
     for warning in &report.warnings {
         text.push_str(&format!("warning: {warning}\n"));
     }
