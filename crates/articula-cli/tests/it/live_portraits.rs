@@ -254,3 +254,108 @@ fn the_player_reads_a_table_as_the_library_does() {
         }
     }
 }
+
+/// Answers to a job about a document.
+fn asked(here: &Path, document: &Value, job: &Value) -> Vec<Value> {
+    let mut job = job.clone();
+    job["json"] = document.clone();
+    let player = here.join("player.js").to_string_lossy().into_owned();
+    let (answer, good) = ask_on_words("portrait.mjs", &[player], &job.to_string());
+    assert!(good, "{answer}");
+    serde_json::from_str(&answer).unwrap()
+}
+
+#[test]
+fn a_portrait_leaves_out_what_its_level_does() {
+    if !node_is_here() {
+        return;
+    }
+    let here = folder("level-portrait");
+    let document = document(&here);
+    let names = document["expressions"].as_array().unwrap().iter();
+    let names: Vec<&str> = names.map(|e| e["name"].as_str().unwrap()).collect();
+    // So large that every motion is seen.
+    let css = [6400, 6400];
+    // The lower lids go as the upper ones, which is what coarser levels have them do.
+    let lids = |left: i32, right: i32| object!({"3": 300, "19": left, "20": right, "21": left, "22": right});
+    let faps = |left: i32, right: i32| {
+        let mut faps = lids(left, right);
+        faps["14"] = 200.into();
+        faps
+    };
+    let answers = asked(
+        &here,
+        &document,
+        &object!({"css": css, "inputs": [
+            {"level": "high", "faps": faps(500, 200)},
+            {"level": "veryLow", "faps": faps(500, 200)},
+            {"level": "high", "faps": lids(200, 200)},
+            {"level": "low", "faps": faps(500, 200)},
+            {"level": "veryLow", "shapes": {"eyeBlinkLeft": 1}},
+            {"level": "veryLow", "shapes": {"eyeBlinkRight": 1}},
+            {"level": "none", "shapes": {"eyeBlinkRight": 1}},
+        ]}),
+    );
+    let shown: Vec<Vec<f64>> = answers.iter().map(|a| numbers(&a["shown"])).collect();
+    assert_eq!(shown[0], numbers(&answers[0]["weights"]));
+    assert_eq!(shown[1], shown[2]);
+    for ((name, high), low) in names.iter().zip(&shown[0]).zip(&shown[3]) {
+        let is_gone = name.starts_with("fap14_");
+        assert_eq!(*low, if is_gone { 0.0 } else { *high }, "{name}");
+    }
+    let blink = |weights: &[f64]| {
+        ["eyeblink_l", "eyeblink_r"].map(|side| {
+            let at = names.iter().position(|n| n.to_lowercase() == side);
+            weights[at.unwrap()]
+        })
+    };
+    // The right side leads; a level of no name changes nothing.
+    assert_eq!(blink(&shown[4]), [0.0, 0.0]);
+    assert_eq!(blink(&shown[5]), [1.0, 1.0]);
+    assert_eq!(blink(&shown[6]), [1.0, 1.0]);
+
+    // As small as an icon, what is not seen is left out.
+    let weights: serde_json::Map<String, Value> =
+        names.iter().map(|n| ((*n).to_owned(), 1.into())).collect();
+    let input = object!({"level": "high", "shapes": weights});
+    let icon = &asked(
+        &here,
+        &document,
+        &object!({"css": [16, 16], "inputs": [input]}),
+    )[0];
+    let reaches = numbers(&icon["reaches"]);
+    let pixels = 16.0 / numbers(&document["size"])[0];
+    let mut left_out = 0;
+    for (weight, reach) in numbers(&icon["shown"]).iter().zip(&reaches) {
+        let is_seen = reach * pixels > 0.5;
+        assert_eq!(*weight, f64::from(u8::from(is_seen)), "{reach}");
+        left_out += usize::from(!is_seen);
+    }
+    assert!(left_out > 10 && left_out < names.len(), "{left_out}");
+}
+
+#[test]
+fn slow_frames_make_the_level_coarser() {
+    if !node_is_here() {
+        return;
+    }
+    let here = folder("slow-portrait");
+    let document = document(&here);
+    let levels = |level: &str, means: &[u32]| -> Vec<String> {
+        let frames: Vec<u32> = means.iter().flat_map(|mean| [*mean; 30]).collect();
+        let job = object!({"frames": frames, "options": {"level": level, "budget": 12}});
+        let answers = asked(&here, &document, &job);
+        let last = answers
+            .chunks(30)
+            .map(|c| c[29].as_str().unwrap().to_owned());
+        last.collect()
+    };
+    let fast = levels("auto", &[20, 15, 10, 10, 5, 5]);
+    assert_eq!(fast, ["medium", "low", "low", "low", "medium", "high"]);
+    // A level that saves nothing is taken back, and not tried again soon.
+    let useless = levels("auto", &[20, 20, 20, 20]);
+    assert_eq!(useless, ["medium", "high", "high", "high"]);
+    let later = levels("auto", &[20; 24]);
+    assert_eq!(later.iter().filter(|l| *l == "medium").count(), 2);
+    assert_eq!(levels("low", &[20, 5, 5]), ["low"; 3]);
+}

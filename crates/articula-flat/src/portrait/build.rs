@@ -62,6 +62,7 @@ pub fn build(
         sectors,
         clips: source.clips.to_vec(),
         inputs: Vec::new(),
+        levels: Vec::new(),
     })
 }
 

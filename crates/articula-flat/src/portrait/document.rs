@@ -7,7 +7,7 @@ use super::error::{PortraitError, refuse};
 use super::pose_grid::{ExpressionTable, Quantised};
 use super::roll::Roll;
 use super::views::View;
-use super::{Portrait, PortraitClip, PortraitInput};
+use super::{Portrait, PortraitClip, PortraitInput, PortraitLevel};
 use crate::error::PictureError;
 use crate::markup::quoted;
 use crate::picture::Picture;
@@ -117,6 +117,10 @@ impl Portrait {
             let inputs: Result<Vec<String>, _> = self.inputs.iter().map(input_json).collect();
             let _ = write!(out, ",\n\"inputs\":{{{}}}", inputs?.join(","));
         }
+        if !self.levels.is_empty() {
+            let levels: Vec<String> = self.levels.iter().map(level_json).collect();
+            let _ = write!(out, ",\n\"levels\":{{{}}}", levels.join(",\n"));
+        }
         out.push_str("\n}\n");
         Ok(out)
     }
@@ -204,6 +208,18 @@ fn input_json(input: &PortraitInput) -> Result<String, PortraitError> {
     let pair = |(fap, value): &(u8, f32)| Ok(format!("[{fap},{}]", number(*value)?));
     let faps = list(input.faps.iter().map(pair))?;
     Ok(format!("{}:{faps}", quoted(&input.name)))
+}
+
+fn level_json(level: &PortraitLevel) -> String {
+    let faps: Vec<String> = level.faps.iter().map(u8::to_string).collect();
+    let role = |role: &Option<u16>| role.map_or_else(|| "-1".to_owned(), |of| of.to_string());
+    let expressions: Vec<String> = level.expressions.iter().map(role).collect();
+    format!(
+        "{}:{{\"faps\":[{}],\"expressions\":[{}]}}",
+        quoted(&level.name),
+        faps.join(","),
+        expressions.join(",")
+    )
 }
 
 /// Encodes a picture.

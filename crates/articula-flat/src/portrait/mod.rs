@@ -44,6 +44,6 @@ pub use clip::PortraitClip;
 pub use document::PictureFormat;
 pub use error::PortraitError;
 pub use head::{Head, HeadPose, JointTurn, PortraitExpression};
-pub use model::{Portrait, PortraitCounts, PortraitInput};
+pub use model::{Portrait, PortraitCounts, PortraitInput, PortraitLevel};
 pub use page::{EmbeddedFile, PageOptions, Slide, page};
 pub use source::{PortraitOptions, PortraitSource};

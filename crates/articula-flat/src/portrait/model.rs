@@ -32,6 +32,20 @@ pub struct Portrait {
     pub clips: Vec<PortraitClip>,
     /// What it can be driven by besides its expressions.
     pub inputs: Vec<PortraitInput>,
+    /// What the player leaves out at coarser levels of articulation, the finest first.
+    pub levels: Vec<PortraitLevel>,
+}
+
+/// What becomes of facial animation parameters and expressions at a level of articulation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PortraitLevel {
+    /// Name of the level.
+    pub name: String,
+    /// For each parameter, from the first on, the one whose value it has: itself, another one, or 0 where it is neutral.
+    pub faps: Vec<u8>,
+    /// The same for each expression, by its index; `None` where it is neutral. Those of a face animation table follow
+    /// their parameters.
+    pub expressions: Vec<Option<u16>>,
 }
 
 /// A name by which a portrait is driven that is not one of its expressions, such as a blend shape or a

@@ -144,6 +144,13 @@ const start = async () => {
   // pictures the last is shown.
   let message = null;
   const drive = () => {
+    const { articula, level, ...motion } = message;
+    // A level alone goes on with what is shown.
+    if (level && Object.keys(motion).length === 0) {
+      face.level = level;
+      message = null;
+      return;
+    }
     face.stop();
     face.drive(message);
     face.frames += 1;

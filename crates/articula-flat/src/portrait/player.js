@@ -6,7 +6,8 @@
 //   face.drive({ faps: { 3: 400, 49: 20000 }, shapes: { eyeBlinkLeft: 1 }, visemes: { aa: 0.5 } });
 //
 // Further options of the constructor: `background`, a picture or a slide-show, [{ from: 0, picture }, …] in seconds of
-// the clip; and `scale`, pixels of the canvas in one of the document.
+// the clip; `scale`, pixels of the canvas in one of the document; `level`, "high", "medium", "low", "veryLow" or "auto";
+// and `budget`, the milliseconds that a frame may take before "auto" goes to a coarser level.
 //
 // Angles are in degrees: yaw towards the figure's left, pitch down, roll counter-clockwise.
 "use strict";
@@ -14,8 +15,19 @@
 /** Facial animation parameters with one direction, whose values are not below 0. */
 const ONE_SIDED = new Set([3, 14, 41, 42, 47]);
 
+/** Levels of articulation, the finest first. */
+const LEVELS = ["high", "medium", "low", "veryLow"];
+/** Motion that is not seen, pixels of the screen. */
+const UNSEEN = 0.5;
+/** Frames over which times are averaged, and until a level that saved nothing is tried again, at first. */
+const JUDGED = 30;
+const TRIED_AGAIN = 600;
+/** Share of the budget below which there is room for a finer level, and of a time that a coarser one has to save. */
+const ROOM = 0.6;
+const SAVED = 0.03;
+
 class ArticulaPortrait {
-  constructor(canvas, json, images, { background = null, scale = 1 } = {}) {
+  constructor(canvas, json, images, { background = null, scale = 1, level = "auto", budget = 12 } = {}) {
     const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
@@ -54,6 +66,9 @@ class ArticulaPortrait {
       const pattern = this.context.createPattern(images[i], "no-repeat");
       return { ...view, places, areas, pattern, layers: new Uint8Array(bytes(view.layers)) };
     });
+    this.reaches = this.expressions.map((expression) => this.reach(expression));
+    this.budget = budget;
+    this.level = level;
     const most = (of) => Math.max(...json.views.map((v) => Math.abs(of(v))));
     this.spans = [most((v) => v.yaw), most((v) => v.pitch)];
   }
@@ -86,9 +101,10 @@ class ArticulaPortrait {
   /**
    * Shows a face given by any of: `faps`, values by the numbers of the parameters or a list that begins with FAP 1;
    * `shapes`, weights by the names of blend shapes; `visemes`, weights by PP, FF, …; `head`, angles in degrees. They
-   * add up. `plane` turns the picture, as `turnPlane` does. Returns the names that nothing of the portrait shows.
+   * add up. `plane` turns the picture, as `turnPlane` does, and `level` is set as the property is. Returns the names that nothing of the portrait shows.
    */
-  drive({ faps = {}, shapes = {}, visemes = {}, head = {}, plane } = {}) {
+  drive({ faps = {}, shapes = {}, visemes = {}, head = {}, plane, level } = {}) {
+    if (level) this.level = level;
     const weights = new Array(this.expressions.length).fill(0);
     const values = new Map();
     const missing = [];
@@ -207,7 +223,91 @@ class ArticulaPortrait {
   }
 
   draw(pose, weights) {
-    this.paint(this.places(pose, weights), pose);
+    const started = performance.now();
+    this.shown = this.levelled(weights);
+    this.paint(this.places(pose, this.shown), pose);
+    this.judge(performance.now() - started);
+  }
+
+  /** The level that is shown. */
+  get level() {
+    return LEVELS[this.coarse];
+  }
+
+  /** Sets the level; with "auto" it follows the times of the frames, from the finest on. An unknown name does nothing. */
+  set level(name) {
+    if (name !== "auto" && !LEVELS.includes(name)) return;
+    this.isAuto = name === "auto";
+    this.coarse = Math.max(LEVELS.indexOf(name), 0);
+    Object.assign(this, { judged: 0, spent: 0, before: Infinity, rests: 0, wait: TRIED_AGAIN });
+  }
+
+  /** Goes to a coarser level where frames take longer than the budget, back where it saves nothing or there is room. */
+  judge(milliseconds) {
+    this.judged += 1;
+    this.spent += milliseconds;
+    this.rests = Math.max(this.rests - 1, 0);
+    if (!this.isAuto || this.judged < JUDGED) return;
+    const mean = this.spent / this.judged;
+    const { before } = this;
+    Object.assign(this, { judged: 0, spent: 0, before: Infinity });
+    if (before < Infinity && mean > (1 - SAVED) * before) {
+      this.coarse -= 1;
+      this.rests = this.wait;
+      this.wait *= 2;
+    } else if (mean > this.budget && this.coarse + 1 < LEVELS.length && this.rests === 0) {
+      this.coarse += 1;
+      this.before = mean;
+    } else if (mean < ROOM * this.budget && this.coarse > 0) {
+      this.coarse -= 1;
+    }
+  }
+
+  /** Pixels of the screen in one of the document. */
+  get pixels() {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (!clientWidth || !clientHeight) return this.scale;
+    const [width, height] = this.json.size;
+    return Math.min(clientWidth / width, clientHeight / height) * (globalThis.devicePixelRatio ?? 1);
+  }
+
+  /** How far an expression moves a vertex at weight 1 when the head is turned to any side, pixels of the document. */
+  reach({ vertices, modes }) {
+    const { yaw: yaws, pitch: pitches } = this.json.grid;
+    const rank = modes.length;
+    const stride = this.rest.length + 1;
+    const level = pitches.reduce((best, pitch, p) => (Math.abs(pitch) < Math.abs(pitches[best]) ? p : best), 0);
+    let most = 0;
+    for (let y = 0; y < yaws.length; y++) {
+      const first = 2 * (level * yaws.length + y) * stride + 1;
+      for (let i = 0; i < vertices.length; i++) {
+        let [across, down] = [0, 0];
+        for (let k = 0; k < rank; k++) {
+          across += this.coefficients[first + k] * modes[k][i];
+          down += this.coefficients[first + stride + k] * modes[k][i];
+        }
+        most = Math.max(most, Math.hypot(across, down));
+      }
+    }
+    return most;
+  }
+
+  /** Weights at the level: some are those of others, some are 0, and so are those of motions too small to be seen. */
+  levelled(weights) {
+    const level = this.json.levels?.[this.level];
+    const of = level ? level.expressions.map((e) => (e < 0 ? 0 : weights[e] ?? 0)) : [...weights];
+    for (const [fap, parts] of level ? this.intervals : []) {
+      const leader = level.faps[fap - 1];
+      const lead = leader ? this.intervals.get(leader) : [];
+      // A parameter that the table does not show has no value that could be copied.
+      if (leader === fap || !lead) continue;
+      const value = lead.reduce((sum, { from, to, expression }) => sum + (weights[expression] ?? 0) * (to - from), 0);
+      for (const { from, to, expression, least, most } of parts) {
+        of[expression] = Math.min(Math.max((value - from) / (to - from), least), most);
+      }
+    }
+    const pixels = this.pixels;
+    return of.map((weight, e) => (this.reaches[e] * pixels > UNSEEN ? weight : 0));
   }
 
   /** The two triangles at each edge. */

@@ -5,6 +5,7 @@ use super::expressions::expressions;
 use super::eyes::Eyes;
 use super::inputs::inputs;
 use super::judged::RegionWeights;
+use super::levels::levels;
 use super::mouth::{DefaultMouth, TeethAndTongue};
 use crate::error::{Error, Result};
 use crate::facing::facing;
@@ -17,7 +18,7 @@ use articula_core::{
 };
 use articula_flat::flatten::JudgedRegion;
 use articula_flat::portrait::{
-    Head, PortraitClip, PortraitExpression, PortraitInput, PortraitSource,
+    Head, PortraitClip, PortraitExpression, PortraitInput, PortraitLevel, PortraitSource,
 };
 use articula_flat::{Appearance, Bounds, tight_view};
 use glam::Vec3;
@@ -159,6 +160,11 @@ impl<'a> FramedHead<'a> {
     /// shapes of ARKit and the visemes that it lacks.
     pub fn inputs(&self) -> Vec<PortraitInput> {
         inputs(&self.expressions)
+    }
+
+    /// What the portrait leaves out at coarser levels of articulation.
+    pub(super) fn levels(&self) -> Vec<PortraitLevel> {
+        levels(&self.expressions)
     }
 
     /// Returns the source data of the portrait.

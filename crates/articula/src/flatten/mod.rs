@@ -11,6 +11,7 @@ mod framed;
 mod head;
 mod inputs;
 mod judged;
+mod levels;
 mod live;
 mod mouth;
 mod portrait;

@@ -101,6 +101,7 @@ pub fn portrait<'a>(
             build(&head.source(), &shot.options, progress)
         })?;
         portrait.inputs = head.inputs();
+        portrait.levels = head.levels();
         Ok((head, portrait))
     };
     let name = || figure.opened.name().to_owned();
