@@ -97,6 +97,8 @@ enum Table {
     FaceTables,
     /// Blend shapes made for heads whose own were taken away, beside these.
     MadeShapes(tables::made_shapes::Choice),
+    /// Visemes of a voice beside other libraries; with `train` the network that hears them.
+    Speech(tables::speech::Choice),
     /// Motion streams: bytes at equal error beside other forms, layers and speeds.
     Streams,
     /// Digital items: the joint choice beside cuts of single parts, sizes and costs of levels.
@@ -155,6 +157,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::FacePoints => tables::face_points::write(run),
         Table::FaceTables => tables::face_tables::write(run),
         Table::MadeShapes(choice) => tables::made_shapes::write(run, choice),
+        Table::Speech(choice) => tables::speech::write(run, choice),
         Table::Streams => tables::streams::write(run),
         Table::Adaptation => tables::adaptation::write(run),
         Table::Sessions(choice) => sessions::write(run, choice),

@@ -52,6 +52,7 @@ tables! {
     motion_lod: "motion-lod" writes "motion-lod.md";
     optimize: "optimize" writes "optimize.md";
     retargets: "retargets" writes "retargets.md";
+    speech: "speech" writes "speech.md";
     streams: "streams" writes "streams.md";
     thesis_grid: "thesis-grid" writes "thesis-grid.md";
 }

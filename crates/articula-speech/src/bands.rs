@@ -9,7 +9,7 @@ pub(crate) const WINDOW: usize = 400;
 /// Share of a sample that is taken off the next one, so that treble weighs as bass does.
 pub(crate) const PRE_EMPHASIS: f32 = 0.97;
 /// Number of bands.
-pub(crate) const BANDS: usize = 26;
+pub const BANDS: usize = 26;
 /// Samples of a transform; those beyond the window are 0.
 const TRANSFORM: usize = 512;
 /// Frequencies that the bands span.

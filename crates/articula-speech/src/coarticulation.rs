@@ -47,14 +47,17 @@ const CONTACT: (f32, f32) = (0.7, 0.03);
 
 /// One shape of the mouth and when it is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Segment {
-    pub(crate) start_secs: f32,
-    pub(crate) end_secs: f32,
-    pub(crate) viseme: Viseme,
+pub struct Segment {
+    /// Begin in seconds.
+    pub start_secs: f32,
+    /// End in seconds.
+    pub end_secs: f32,
+    /// The shape.
+    pub viseme: Viseme,
 }
 
 /// The shapes of phones; h has that of the next sound, and what is not known that of the one before.
-pub(crate) fn segments(phones: &[TimedPhone]) -> Vec<Segment> {
+pub fn segments(phones: &[TimedPhone]) -> Vec<Segment> {
     let all_arpabet = phones
         .iter()
         .all(|p| p.symbol.is_empty() || phones_of_arpabet(&p.symbol).is_some());

@@ -21,6 +21,8 @@
 //! - `sound`, `resampler`: recordings as samples at 16 kHz
 //! - `bands`, `normaliser`: the features of a frame, free of gain and of the channel
 //! - `network`: the stored network, frame by frame
+//! - `windows`: samples as the bands of a frame
+//! - [`training`]: the features and files of weights, for a program that trains a network
 //! - `recogniser`: samples in, frames out
 //! - `phone`, `phone_times`: phones of the IPA and of ARPAbet, and files of their times
 //! - `coarticulation`: phones as weights of visemes
@@ -39,6 +41,8 @@ mod recogniser;
 mod resampler;
 mod sound;
 mod track;
+pub mod training;
+mod windows;
 
 pub use align::{AlignError, align};
 pub use articula_core::viseme::{VISEME_COUNT, Viseme};

@@ -1,5 +1,7 @@
 //! The stored network: layers over the frames around one, a frame at a time.
 
+use crate::bands::BANDS;
+use crate::normaliser::FEATURES;
 use articula_core::Libm;
 use articula_core::viseme::VISEME_COUNT;
 
@@ -9,23 +11,23 @@ const STORED: &[u8] = include_bytes!("../weights/asp1.bin");
 const MAGIC: &[u8; 4] = b"ASP1";
 
 /// Layers, each over some frames of the one before it.
-#[derive(Debug, Clone)]
-pub(crate) struct Network {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Network {
     /// Mean of the bands in the speech that it was trained with, below the peak.
-    pub(crate) mean: Vec<f32>,
-    layers: Vec<Layer>,
+    pub mean: [f32; BANDS],
+    /// The layers, from the features of a frame to the visemes.
+    pub layers: Vec<Layer>,
 }
 
 /// Sums of the frames at some offsets, cut off at 0 but for the last layer.
-#[derive(Debug, Clone)]
-struct Layer {
-    offsets: Vec<i32>,
-    /// Numbers of a frame that comes in.
-    inputs: usize,
-    outputs: usize,
-    /// For each input of each offset, the weight of each output.
-    weights: Vec<f32>,
-    bias: Vec<f32>,
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// Which frames are summed, from the one that is made: -1 is the one before it.
+    pub offsets: Vec<i8>,
+    /// For each number of the frame at each offset, the weight of each output.
+    pub weights: Vec<f32>,
+    /// What each output begins with; there are as many as outputs.
+    pub bias: Vec<f32>,
 }
 
 impl Network {
@@ -33,28 +35,41 @@ impl Network {
     ///
     /// # Panics
     /// Never: a test reads what is stored.
-    pub(crate) fn stored() -> Self {
+    pub fn stored() -> Self {
         Self::read(STORED).expect("the stored weights are whole")
     }
 
     /// Reads a file of weights: counts, the mean, and for each layer its shape, offsets, the scales of
     /// its outputs, biases and weights in 8 bits. `None` if the bytes are not such a file.
-    fn read(bytes: &[u8]) -> Option<Self> {
+    pub fn read(bytes: &[u8]) -> Option<Self> {
         let mut bytes = Bytes(bytes);
         if bytes.take(4)? != MAGIC {
             return None;
         }
         let [bands, classes, count] = [bytes.u16()?, bytes.u16()?, bytes.u16()?];
-        let mean = bytes.floats(bands)?;
-        let mut width = bands + 1;
-        let mut layers = Vec::with_capacity(count);
+        let mean = bytes.floats(bands)?.try_into().ok()?;
+        let mut width = FEATURES;
+        let mut layers = Vec::new();
         for _ in 0..count {
             let layer = Layer::read(&mut bytes, width)?;
-            width = layer.outputs;
+            width = layer.bias.len();
             layers.push(layer);
         }
         let whole = bytes.0.is_empty() && width == classes && classes == VISEME_COUNT;
         whole.then_some(Self { mean, layers })
+    }
+
+    /// The file of these weights: each in 8 bits, by the greatest of its output.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        for count in [BANDS, VISEME_COUNT, self.layers.len()] {
+            bytes.extend((count as u16).to_le_bytes());
+        }
+        bytes.extend(self.mean.iter().flat_map(|value| value.to_le_bytes()));
+        for layer in &self.layers {
+            layer.write(&mut bytes);
+        }
+        bytes
     }
 }
 
@@ -63,7 +78,7 @@ impl Layer {
         let [rows, outputs] = [bytes.u16()?, bytes.u16()?];
         let count = usize::from(*bytes.take(1)?.first()?);
         let offsets = bytes.take(count)?.iter();
-        let offsets: Vec<i32> = offsets.map(|b| i32::from(b.cast_signed())).collect();
+        let offsets: Vec<i8> = offsets.map(|b| b.cast_signed()).collect();
         let scales = bytes.floats(outputs)?;
         let bias = bytes.floats(outputs)?;
         let weights = bytes
@@ -71,22 +86,55 @@ impl Layer {
             .iter()
             .zip(scales.iter().cycle());
         let weights = weights.map(|(weight, scale)| f32::from(weight.cast_signed()) * scale);
-        (rows == inputs * count && count > 0).then(|| Self {
+        (rows == inputs * count && count > 0 && outputs > 0).then(|| Self {
             offsets,
-            inputs,
-            outputs,
             weights: weights.collect(),
             bias,
         })
     }
 
+    fn write(&self, bytes: &mut Vec<u8>) {
+        let outputs = self.bias.len();
+        for count in [self.weights.len() / outputs, outputs] {
+            bytes.extend((count as u16).to_le_bytes());
+        }
+        bytes.push(self.offsets.len() as u8);
+        bytes.extend(self.offsets.iter().map(|offset| offset.cast_unsigned()));
+        let mut scales = vec![f32::MIN_POSITIVE; outputs];
+        for row in self.weights.chunks_exact(outputs) {
+            for (scale, weight) in scales.iter_mut().zip(row) {
+                *scale = scale.max(weight.abs() / 127.0);
+            }
+        }
+        let numbers = scales.iter().chain(&self.bias);
+        bytes.extend(numbers.flat_map(|value| value.to_le_bytes()));
+        let weights = self.weights.iter().zip(scales.iter().cycle());
+        bytes.extend(
+            weights.map(|(weight, scale)| ((weight / scale).round() as i8).cast_unsigned()),
+        );
+    }
+
+    /// Numbers of a frame that comes in.
+    fn inputs(&self) -> usize {
+        self.weights.len() / self.bias.len() / self.offsets.len()
+    }
+
     /// Frames that must have come beyond the one that is calculated.
     fn ahead(&self) -> i32 {
-        self.offsets.iter().copied().fold(0, i32::max)
+        self.offsets
+            .iter()
+            .copied()
+            .map(i32::from)
+            .fold(0, i32::max)
     }
 
     fn behind(&self) -> i32 {
-        -self.offsets.iter().copied().fold(0, i32::min)
+        -self
+            .offsets
+            .iter()
+            .copied()
+            .map(i32::from)
+            .fold(0, i32::min)
     }
 }
 
@@ -130,7 +178,7 @@ struct Ring {
 impl RunningNetwork {
     pub(crate) fn new(network: Network) -> Self {
         let ring = |layer: &Layer| Ring {
-            frames: vec![vec![0.0; layer.inputs]; (layer.ahead() + layer.behind() + 1) as usize],
+            frames: vec![vec![0.0; layer.inputs()]; (layer.ahead() + layer.behind() + 1) as usize],
             received: 0,
             next: 0,
         };
@@ -184,7 +232,7 @@ impl RunningNetwork {
         let layer = &self.network.layers[index];
         let ring = &mut self.rings[index];
         let mut out = layer.bias.clone();
-        let rows = layer.weights.chunks_exact(layer.outputs);
+        let rows = layer.weights.chunks_exact(layer.bias.len());
         let last = ring.received as i64 - 1;
         let inputs = layer.offsets.iter().flat_map(|offset| {
             let at = (ring.next as i64 + i64::from(*offset)).clamp(0, last);
@@ -223,12 +271,31 @@ mod tests {
         }
     }
 
+    #[test]
+    fn what_is_written_is_read_again() {
+        let stored = Network::stored();
+        let again = Network::read(&stored.to_bytes()).unwrap();
+        assert_eq!(again.mean, stored.mean);
+        for (again, stored) in again.layers.iter().zip(&stored.layers) {
+            assert_eq!(
+                (&again.offsets, &again.bias),
+                (&stored.offsets, &stored.bias)
+            );
+            // The greatest weight of an output is 127 steps: scales round once more.
+            let pairs = again.weights.iter().zip(&stored.weights);
+            for (again, stored) in pairs {
+                assert!(
+                    (again - stored).abs() <= 1e-6 * stored.abs(),
+                    "{again} {stored}"
+                );
+            }
+        }
+    }
+
     /// A layer that copies the frame at an offset, with a softmax that only looks at classes.
     fn copying(offset: i8) -> RunningNetwork {
         let layer = Layer {
-            offsets: vec![i32::from(offset)],
-            inputs: VISEME_COUNT,
-            outputs: VISEME_COUNT,
+            offsets: vec![offset],
             weights: (0..VISEME_COUNT * VISEME_COUNT)
                 .map(|i| f32::from(u8::from(i % (VISEME_COUNT + 1) == 0)))
                 .collect(),
@@ -239,7 +306,7 @@ mod tests {
             ..layer.clone()
         };
         RunningNetwork::new(Network {
-            mean: Vec::new(),
+            mean: [0.0; BANDS],
             layers: vec![layer, last],
         })
     }

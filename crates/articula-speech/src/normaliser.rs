@@ -4,7 +4,7 @@ use crate::bands::{BANDS, FLOOR};
 use articula_core::Libm;
 
 /// Numbers of a frame: the bands and the level.
-pub(crate) const FEATURES: usize = BANDS + 1;
+pub const FEATURES: usize = BANDS + 1;
 /// Least level of the peak, in nepers of power.
 const LEAST_PEAK: f32 = -12.0;
 /// How far the peak falls in a frame: 1.7 dB in a second.

@@ -31,6 +31,7 @@ mod seen;
 mod served;
 pub(crate) mod sessions;
 pub(crate) mod slider;
+pub(crate) mod speech;
 pub(crate) mod streams;
 mod targets;
 pub(crate) mod thesis_grid;

@@ -15,6 +15,16 @@ impl Random {
         ((z ^ (z >> 31)) >> 40) as f32 / (1u32 << 24) as f32
     }
 
+    /// A uniform whole number from `low` to `high`.
+    pub(super) fn within(&mut self, low: usize, high: usize) -> usize {
+        low + (self.unit() * (high - low + 1) as f32) as usize
+    }
+
+    /// One of a list that is not empty.
+    pub(super) fn one<'a, T>(&mut self, list: &'a [T]) -> &'a T {
+        &list[self.within(0, list.len() - 1)]
+    }
+
     /// A number of mean 0 and deviation 1, by Box and Muller.
     pub(super) fn normal(&mut self) -> f32 {
         let (a, b) = (self.unit(), self.unit());

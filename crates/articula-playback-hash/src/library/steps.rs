@@ -1,5 +1,5 @@
 //! The steps: open, prepare, open what was prepared, play a figure and a crowd, flatten, package and
-//! adapt.
+//! adapt; and hear a voice.
 
 use crate::fnv::Fnv;
 use articula::build::clip_edit::trim;
@@ -12,6 +12,7 @@ use articula::flatten::{FramedCharacter, Shot, TriangleCount, flatten};
 use articula::glam::{Affine3A, Mat4, Vec3};
 use articula::item::{AdaptOptions, AdaptedItem, Item, PackageOptions, adapt, decide, package};
 use articula::playback::{FigureModel, FigurePlayer, FigureSkin, FigureViews, FullDetail};
+use articula::speech::{Sound, VisemeTrack};
 use articula::stream::description::Context;
 use articula::{
     Camera, CharacterFile, Executor, Figure, GroupedSkin, MeshLevelOptions, OpenOptions,
@@ -21,6 +22,8 @@ use std::error::Error;
 
 const FILE: &[u8] =
     include_bytes!("../../../../assets/glb/Quaternius_single_knight_pack__KnightCharacter.glb");
+
+const VOICE: &[u8] = include_bytes!("../../../../assets/speech/librivox_austen_0880.wav");
 
 /// A clip that moves every joint, and how much of it is taken.
 const CLIP: usize = 8;
@@ -52,7 +55,18 @@ pub(crate) fn take(tell: &mut dyn FnMut(&str, u64)) -> Found<Vec<u8>> {
     let item = packaged(opened, &work)?;
     tell("package", of_item(&item));
     tell("adapt", of_item(&adapted(&item)?));
+    tell("speech", heard()?);
     Ok(prepared)
+}
+
+/// The visemes of a recording.
+fn heard() -> Found<u64> {
+    let mut sum = Fnv::default();
+    for frame in VisemeTrack::recognised(&Sound::from_wav(VOICE)?).frames {
+        sum.floats(&frame.weights);
+        sum.floats(&[frame.level_db]);
+    }
+    Ok(sum.finish())
 }
 
 fn opened(bytes: &[u8], name: &str) -> Found<CharacterFile> {
