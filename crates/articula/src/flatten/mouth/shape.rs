@@ -131,7 +131,11 @@ impl MouthShape {
         let rows = rows.map(|(height, is_gum)| {
             let column = |c: usize| {
                 let round = 2.0 * c as f32 / (COLUMNS - 1) as f32 - 1.0;
-                let light = if c.is_multiple_of(2) { BETWEEN_TEETH } else { 1.0 };
+                let light = if c.is_multiple_of(2) {
+                    BETWEEN_TEETH
+                } else {
+                    1.0
+                };
                 let light = if is_gum { 1.0 } else { light };
                 let end = 1.0 - (1.0 - END_OF_ROW) * round * round;
                 let color = if is_gum { GUM } else { TOOTH };
