@@ -101,7 +101,8 @@ class ArticulaPortrait {
   /**
    * Shows a face given by any of: `faps`, values by the numbers of the parameters or a list that begins with FAP 1;
    * `shapes`, weights by the names of blend shapes; `visemes`, weights by PP, FF, …; `head`, angles in degrees. They
-   * add up. `plane` turns the picture, as `turnPlane` does, and `level` is set as the property is. Returns the names that nothing of the portrait shows.
+   * add up. `plane` turns the picture, as `turnPlane` does, and `level` is set as the property is. Returns the names
+   * that nothing of the portrait shows.
    */
   drive({ faps = {}, shapes = {}, visemes = {}, head = {}, plane, level } = {}) {
     if (level) this.level = level;
