@@ -89,6 +89,8 @@ enum Table {
     Flat(flat::Choice),
     /// Facial animation parameters on portraits, beside the projected head (the thesis' annex C).
     PortraitParameters,
+    /// Faces without a graphics card: three meshes beside two portraits (the thesis' table 6.6).
+    PortraitTimes,
     /// Blend shapes through facial animation parameters: what is lost.
     FaceBridges,
     /// Feature points of faces: errors on random heads with landmarks.
@@ -153,6 +155,7 @@ fn one(run: &tables::Run, table: &Table) -> Result<()> {
         Table::RoundTrips => tables::round_trips::write(run),
         Table::Retargets(pictures) => tables::retargets::write(run, pictures),
         Table::PortraitParameters => tables::portrait_parameters::write(run),
+        Table::PortraitTimes => tables::portrait_times::write(run),
         Table::FaceBridges => tables::face_bridges::write(run),
         Table::FacePoints => tables::face_points::write(run),
         Table::FaceTables => tables::face_tables::write(run),

@@ -23,6 +23,7 @@ pub(crate) mod motion_lod;
 pub(crate) mod optimize;
 mod paired_frames;
 pub(crate) mod portrait_parameters;
+pub(crate) mod portrait_times;
 mod pose_keys;
 mod random;
 pub(crate) mod retargets;

@@ -68,7 +68,7 @@ pub use fdp::{face_fdp, fdp_points};
 pub use fit::{FaceTransfer, FittedFace, NotDriven, ShownParameter, fit_capture, fit_face};
 #[cfg(feature = "speech")]
 pub(crate) use fit::{NamedMotion, fit_named};
-#[cfg(feature = "prepare")]
+#[cfg(any(feature = "flat", feature = "prepare"))]
 pub(crate) use found::FoundFace;
 #[cfg(feature = "speech")]
 pub(crate) use frames::{file_name, rounded};
