@@ -14,7 +14,7 @@ pub(crate) const PLAYBACK: &str = "articula-playback-hash";
 pub(crate) const LIBRARY: &str = "articula-library-hash";
 
 /// Lines of [`LIBRARY`] when no step fails.
-const LIBRARY_STEPS: usize = 10;
+const LIBRARY_STEPS: usize = 11;
 
 /// Returns whether the compiler in use has the standard library of a target.
 pub(crate) fn installed(target: &str) -> bool {
