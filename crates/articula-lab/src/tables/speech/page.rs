@@ -222,7 +222,6 @@ mod tests {
         let found =
             [("people", systems::SOUND)].map(|(_, s)| (recordings::PEOPLE, s, of_people(s)));
         let targets = targets(&found);
-        // Three sentences of f and v are too few to judge by, and the correlation is at its limit.
         assert!(targets.len() >= 7);
         for target in targets {
             assert!(target.holds(), "{target:?}");
