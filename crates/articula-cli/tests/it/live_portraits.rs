@@ -43,9 +43,15 @@ const PLAYER: &str = concat!(
 
 /// What the player shows for each input.
 fn driven(here: &Path, document: &Value, inputs: &Value) -> Vec<Value> {
+    asked(here, document, &object!({"inputs": inputs}))
+}
+
+/// Answers to a job about a document.
+fn asked(here: &Path, document: &Value, job: &Value) -> Vec<Value> {
+    let mut job = job.clone();
+    job["json"] = document.clone();
     let player = here.join("player.js").to_string_lossy().into_owned();
-    let job = object!({"json": document, "inputs": inputs}).to_string();
-    let (answer, good) = ask_on_words("portrait.mjs", &[player], &job);
+    let (answer, good) = ask_on_words("portrait.mjs", &[player], &job.to_string());
     assert!(good, "{answer}");
     serde_json::from_str(&answer).unwrap()
 }
@@ -253,16 +259,6 @@ fn the_player_reads_a_table_as_the_library_does() {
             );
         }
     }
-}
-
-/// Answers to a job about a document.
-fn asked(here: &Path, document: &Value, job: &Value) -> Vec<Value> {
-    let mut job = job.clone();
-    job["json"] = document.clone();
-    let player = here.join("player.js").to_string_lossy().into_owned();
-    let (answer, good) = ask_on_words("portrait.mjs", &[player], &job.to_string());
-    assert!(good, "{answer}");
-    serde_json::from_str(&answer).unwrap()
 }
 
 #[test]

@@ -26,6 +26,7 @@ mod contrast;
 pub(crate) mod drawn;
 mod error;
 mod fan;
+mod few_colors;
 #[cfg(test)]
 pub(crate) mod fixture;
 pub(crate) mod key_frames;

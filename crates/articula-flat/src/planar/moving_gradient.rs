@@ -30,6 +30,9 @@ pub(super) struct Wanted<'a> {
     pub steps: &'a [i32],
 }
 
+/// A frame, or half-way to the next, with its corners and the tolerance of the fraction.
+type Moment = (f64, Corners, f64);
+
 /// Numbers of a line: x1, y1, x2, y2.
 type Line = [f64; 4];
 
@@ -49,15 +52,27 @@ pub(super) fn few_keys(wanted: &Wanted<'_>) -> KeyedTrack {
             return track;
         }
     }
-    // Neither may be within the tolerance; a line that turns over between two frames is worse.
+    // None may be within the tolerance. The frames' own lines may turn over between two frames, which is worse than a
+    // line that is never right; what is fitted to these moments too is between both.
     let still = KeyedTrack::still(constant.map(|v| rounded(v, 1)).to_vec());
-    let every = wanted.every_frame(constant).track(1);
-    if wanted.harm(&every) < wanted.harm(&still) {
-        every
-    } else {
-        still
+    let mut every = wanted.every_frame(constant);
+    let own = every.track(1);
+    let moments: Vec<Moment> = wanted.moments().collect();
+    for _ in 0..FITS_OF_ALL {
+        wanted.fit(&mut every, [true; 4], &moments);
     }
+    let better = |a, b| {
+        if wanted.harm(&b) < wanted.harm(&a) {
+            b
+        } else {
+            a
+        }
+    };
+    better(better(still, own), every.track(1))
 }
+
+/// Number of fits of a line that has a key at every frame.
+const FITS_OF_ALL: usize = 4;
 
 /// Factors of the tolerance, tried in order.
 const SLACKS: [f64; 4] = [1.0, 1.6, 2.5, 4.0];
@@ -112,7 +127,7 @@ impl Wanted<'_> {
 
     /// Times that are checked: frames, and halfway between them, where a line that turns over would
     /// paint arbitrary colours.
-    fn moments(&self) -> impl Iterator<Item = (f64, Corners, f64)> {
+    fn moments(&self) -> impl Iterator<Item = Moment> {
         let frame = |f: usize| self.frames.get(f).copied().flatten();
         let halfway = move |f: usize| {
             let ((a, tol), (b, next)) = (frame(f)?, frame(f + 1)?);
@@ -226,6 +241,8 @@ impl Wanted<'_> {
     ) -> Option<KeyedTrack> {
         let last = self.frames.len().checked_sub(1).filter(|l| *l > 0)?;
         let is_whole = free == [true; 4];
+        let frames = self.active();
+        let frames: Vec<Moment> = frames.map(|(f, c, tol)| (f as f64, *c, tol)).collect();
         let mut active = self.active().map(|(f, ..)| f);
         let ends = [active.next()?, active.last().unwrap_or(last)];
         let own = |f: usize| self.own(f).filter(|_| is_whole);
@@ -234,7 +251,7 @@ impl Wanted<'_> {
             lines: ends.map(|f| own(f).unwrap_or(start)).to_vec(),
         };
         loop {
-            self.fit(&mut keys, free);
+            self.fit(&mut keys, free, &frames);
             let worst = self.worst_of_runs(&keys.track(1), slack);
             if worst.is_empty() {
                 break;
@@ -252,7 +269,7 @@ impl Wanted<'_> {
             let mut fewer = keys.clone();
             fewer.frames.remove(k);
             fewer.lines.remove(k);
-            self.fit(&mut fewer, free);
+            self.fit(&mut fewer, free, &frames);
             if self.holds(&fewer.track(1), slack) {
                 keys = fewer;
             } else {
@@ -264,18 +281,18 @@ impl Wanted<'_> {
         coarse.into_iter().find(fine)
     }
 
-    /// Fits the lines of all keys to all frames.
-    fn fit(&self, keys: &mut Keys, free: [bool; 4]) {
+    /// Fits the lines of all keys to some moments.
+    fn fit(&self, keys: &mut Keys, free: [bool; 4], moments: &[Moment]) {
         let numbers: Vec<usize> = (0..4).filter(|i| free[*i]).collect();
         let n = numbers.len();
         let size = n * keys.frames.len();
-        let mut weights = vec![1.0; self.frames.len()];
+        let mut weights = vec![1.0; moments.len()];
         for _ in 0..ROUNDS {
             let mut system = Banded::new(size, 2 * n);
-            for (f, corners, tol) in self.active() {
-                let (k, share) = keys.place(f);
-                let line = keys.at(f);
-                let weight = weights[f] / (tol * tol) * self.level * self.level;
+            for ((at, corners, tol), weight_of) in moments.iter().zip(&mut weights) {
+                let (k, share) = keys.place(*at);
+                let line = keys.at(*at);
+                let weight = *weight_of / (tol * tol) * self.level * self.level;
                 let mut worst: f64 = 0.0;
                 for (place, wanted) in corners {
                     let (shown, slopes) = share_and_slopes(&line, *place);
@@ -289,10 +306,10 @@ impl Wanted<'_> {
                     let used = if k + 1 < keys.frames.len() { 2 * n } else { n };
                     system.add(k * n, &row[..used], off, weight);
                 }
-                weights[f] = (weights[f] * worst.clamp(0.2, 5.0)).clamp(1e-3, 1e3);
+                *weight_of = (*weight_of * worst.clamp(0.2, 5.0)).clamp(1e-3, 1e3);
             }
             let step = system.solve(DAMPING);
-            let before = self.cost(keys, &weights);
+            let before = cost(keys, moments, &weights);
             let moved = STRIDES.iter().map(|stride| {
                 let mut moved = keys.clone();
                 for (i, change) in step.iter().enumerate() {
@@ -301,26 +318,28 @@ impl Wanted<'_> {
                 }
                 moved
             });
-            let better = moved.into_iter().find(|m| self.cost(m, &weights) < before);
+            let better = moved
+                .into_iter()
+                .find(|m| cost(m, moments, &weights) < before);
             let Some(better) = better else {
                 return;
             };
             *keys = better;
         }
     }
+}
 
-    /// Cost that a fit minimises.
-    fn cost(&self, keys: &Keys, weights: &[f64]) -> f64 {
-        let of = |(f, corners, tol): (usize, &Corners, f64)| {
-            let line = keys.at(f);
-            let off = |(place, wanted): &([f64; 2], f64)| {
-                let (share, _) = share_and_slopes(&line, *place);
-                (share - wanted) * (share - wanted)
-            };
-            weights[f] / (tol * tol) * corners.iter().map(off).sum::<f64>()
+/// Cost that a fit minimises.
+fn cost(keys: &Keys, moments: &[Moment], weights: &[f64]) -> f64 {
+    let of = |((at, corners, tol), weight): (&Moment, &f64)| {
+        let line = keys.at(*at);
+        let off = |(place, wanted): &([f64; 2], f64)| {
+            let (share, _) = share_and_slopes(&line, *place);
+            (share - wanted) * (share - wanted)
         };
-        self.active().map(of).sum()
-    }
+        weight / (tol * tol) * corners.iter().map(off).sum::<f64>()
+    };
+    moments.iter().zip(weights).map(of).sum()
 }
 
 /// Step lengths that are tried, since the problem is only locally linear.
@@ -334,19 +353,19 @@ struct Keys {
 }
 
 impl Keys {
-    /// Index of the key before a frame, and the fraction from it to the next.
-    fn place(&self, frame: usize) -> (usize, f64) {
-        let after = self.frames.partition_point(|f| *f <= frame);
+    /// Index of the key before a time in frames, and the fraction from it to the next.
+    fn place(&self, at: f64) -> (usize, f64) {
+        let after = self.frames.partition_point(|f| *f as f64 <= at);
         let k = after.saturating_sub(1);
         if after == self.frames.len() {
             return (k, 0.0);
         }
         let (from, to) = (self.frames[k], self.frames[after]);
-        (k, (frame - from) as f64 / (to - from) as f64)
+        (k, (at - from as f64) / (to - from) as f64)
     }
 
-    fn at(&self, frame: usize) -> Line {
-        let (k, share) = self.place(frame);
+    fn at(&self, at: f64) -> Line {
+        let (k, share) = self.place(at);
         let (a, b) = (self.lines[k], self.lines[(k + 1).min(self.lines.len() - 1)]);
         std::array::from_fn(|i| a[i] + (b[i] - a[i]) * share)
     }
@@ -359,7 +378,7 @@ impl Keys {
         let Some(frame) = near else {
             return;
         };
-        let line = own(frame).unwrap_or(self.at(frame));
+        let line = own(frame).unwrap_or(self.at(frame as f64));
         let at = self.frames.partition_point(|f| *f < frame);
         self.frames.insert(at, frame);
         self.lines.insert(at, line);
@@ -657,6 +676,23 @@ mod tests {
             "{line:?}: {}",
             wanted.excess(&line)
         );
+    }
+
+    #[test]
+    fn light_that_turns_fast_is_shown_better_than_by_one_line_or_by_those_of_the_frames() {
+        let frames = (0..12).map(|f| {
+            let turn = 2.0 * f64::from(f);
+            let share = |x: f64, y: f64| 0.5 + 0.3 * (turn.cos() * x + turn.sin() * y);
+            Some([share(-0.5, -0.5), share(0.5, -0.5), share(-0.5, 0.5)])
+        });
+        let wanted = wanted(frames.collect());
+        let constant = wanted.constant();
+        let still = KeyedTrack::still(constant.map(|v| rounded(v, 1)).to_vec());
+        let own = wanted.every_frame(constant).track(1);
+        let harm = |track| wanted.harm(track);
+        let found = few_keys(&wanted);
+        assert_eq!(found.len(), 12);
+        assert!(harm(&found) < 0.5 * harm(&still).min(harm(&own)));
     }
 
     #[test]

@@ -95,6 +95,27 @@ impl Colors {
         }
     }
 
+    /// The colours that were chosen for the triangle: the black end of a ramp is none of them.
+    pub(crate) fn chosen(&self) -> impl Iterator<Item = [u8; 3]> {
+        let chosen = match self {
+            Self::Flat(color) | Self::Ramp(color) => [Some(*color), None],
+            Self::Own(stops) => stops.map(Some),
+        };
+        chosen.into_iter().flatten()
+    }
+
+    /// The same with other colours; flat if both ends become equal.
+    pub(crate) fn with(&self, becomes: impl Fn([u8; 3]) -> [u8; 3]) -> Self {
+        match self {
+            Self::Flat(color) => Self::Flat(becomes(*color)),
+            Self::Ramp(albedo) => Self::Ramp(becomes(*albedo)),
+            Self::Own(stops) => match stops.map(becomes) {
+                [from, to] if from == to => Self::Flat(from),
+                stops => Self::Own(stops),
+            },
+        }
+    }
+
     /// Both end colours in levels; equal if flat.
     pub(crate) fn ends(&self) -> [[u8; 3]; 2] {
         match self {

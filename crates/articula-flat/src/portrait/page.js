@@ -144,13 +144,6 @@ const start = async () => {
   // pictures the last is shown.
   let message = null;
   const drive = () => {
-    const { articula, level, ...motion } = message;
-    // A level alone goes on with what is shown.
-    if (level && Object.keys(motion).length === 0) {
-      face.level = level;
-      message = null;
-      return;
-    }
     face.stop();
     face.drive(message);
     face.frames += 1;
@@ -158,6 +151,12 @@ const start = async () => {
   };
   window.addEventListener("message", ({ data, source }) => {
     if (!source || data?.articula !== "face" || ![window, window.parent, window.opener].includes(source)) return;
+    const { articula, level, ...motion } = data;
+    // A level alone goes on with what is shown.
+    if (level && Object.keys(motion).length === 0) {
+      face.level = level;
+      return;
+    }
     if (message === null) requestAnimationFrame(drive);
     message = data;
   });

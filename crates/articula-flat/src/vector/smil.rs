@@ -59,8 +59,8 @@ pub(super) struct SvgWriter<'a> {
     out: String,
     /// Length of the text before the gradients of shapes.
     head: usize,
-    /// Gradients of shapes that do not move, and those that do: equal things beside each other are packed best.
-    gradients: [String; 2],
+    /// Gradients of shapes, those that move last, each kind by its colours: equal things near each other are packed best.
+    gradients: BTreeMap<(bool, Colors, u32), String>,
     clock: Clock,
     /// Gradients already written, by ramp and line, or stops and line.
     known: BTreeMap<GradientKey<'a>, u32>,
@@ -106,7 +106,7 @@ impl<'a> SvgWriter<'a> {
         Self {
             head: out.len(),
             out,
-            gradients: Default::default(),
+            gradients: BTreeMap::new(),
             clock: Clock::new(clip.frames, clip.fps),
             known: BTreeMap::new(),
             lines: clip.lines,
@@ -117,7 +117,8 @@ impl<'a> SvgWriter<'a> {
     /// Ends the file.
     pub(super) fn finish(mut self) -> String {
         self.out.push_str("</svg>");
-        self.out.insert_str(self.head, &self.gradients.concat());
+        let gradients: String = self.gradients.into_values().collect();
+        self.out.insert_str(self.head, &gradients);
         self.out
     }
 
@@ -373,7 +374,8 @@ impl<'a> SvgWriter<'a> {
         } else {
             let _ = write!(out, ">{stops}{animates}</linearGradient>");
         }
-        self.gradients[usize::from(!animates.is_empty())] += &out;
+        self.gradients
+            .insert((!animates.is_empty(), colors, id), out);
         Some(id)
     }
 

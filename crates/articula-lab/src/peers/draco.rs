@@ -1,10 +1,10 @@
 //! Draco in node: coded sizes of meshes (`oracle/draco.mjs`).
 
+use super::node;
 use crate::wire_mesh::{PRECISION, WireMesh};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use std::path::Path;
 use std::process::Command;
 
 /// Message for missing results of Draco.
@@ -45,17 +45,13 @@ pub(crate) struct Task<'a> {
 /// Codes each mesh. `None` where node or its packages are missing and `ARTICULA_REQUIRE_TOOLS`
 /// does not require them.
 pub(crate) fn code(tasks: &[Task<'_>]) -> Result<Option<Vec<Coded>>> {
-    let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
-    let node = Command::new("node").arg("--version").output();
-    if node.is_err() || !oracle.join("node_modules/draco3dgltf").is_dir() {
-        let required = std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1");
-        ensure!(!required, "ARTICULA_REQUIRE_TOOLS=1, but no Draco in node");
+    if !node::has(&["node_modules/draco3dgltf"])? {
         return Ok(None);
     }
     let path = std::env::temp_dir().join(format!("articula-draco-{}.bin", std::process::id()));
     std::fs::write(&path, file(tasks)).with_context(|| path.display().to_string())?;
     let output = Command::new("node")
-        .arg(oracle.join("draco.mjs"))
+        .arg(node::oracle().join("draco.mjs"))
         .arg(&path)
         .output();
     std::fs::remove_file(&path)?;

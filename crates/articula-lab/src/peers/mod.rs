@@ -3,6 +3,7 @@
 //! - [`floor`]: a minimal evaluator of poses, a lower bound for the time on this machine
 //! - [`structs`]: arrays of structs, as in a hand-written evaluator
 //! - [`three`]: three.js in node
+//! - [`node`]: whether node and its packages are there
 //! - [`ranks`]: update rates by rank of distance
 //! - [`draco`]: Draco's codec in node
 //! - [`meshopt`]: meshoptimizer's simplifier and codecs
@@ -12,6 +13,7 @@
 pub(crate) mod draco;
 pub(crate) mod floor;
 pub(crate) mod meshopt;
+pub(crate) mod node;
 pub(crate) mod optimisers;
 pub(crate) mod quoted;
 pub(crate) mod ranks;

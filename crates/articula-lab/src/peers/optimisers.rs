@@ -1,5 +1,6 @@
 //! Other optimisers of glTF files, and the judge of all files, in node (`oracle/peers`).
 
+use super::node;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -50,15 +51,11 @@ pub(crate) struct Shown {
 /// # Errors
 /// If they are missing and `ARTICULA_REQUIRE_TOOLS` requires them.
 pub(crate) fn are_there() -> Result<bool> {
-    let node = Command::new("node").arg("--version").output();
-    let is_there = node.is_ok()
-        && oracle().join("node_modules/three").is_dir()
-        && ["gltfpack", "@babylonjs/loaders"]
-            .iter()
-            .all(|peer| oracle().join("peers/node_modules").join(peer).is_dir());
-    let required = std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1");
-    ensure!(is_there || !required, "ARTICULA_REQUIRE_TOOLS=1: {MISSING}");
-    Ok(is_there)
+    node::has(&[
+        "node_modules/three",
+        "peers/node_modules/gltfpack",
+        "peers/node_modules/@babylonjs/loaders",
+    ])
 }
 
 /// How files are judged beside their source.
@@ -102,15 +99,13 @@ pub(crate) fn shown_by_babylon(file: &Path) -> Result<Shown> {
 }
 
 fn answer<T: DeserializeOwned>(script: &str, words: &[&Path]) -> Result<T> {
-    let mut node = Command::new("node");
-    let output = node.arg(oracle().join("peers").join(script)).args(words);
+    let mut command = Command::new("node");
+    let output = command
+        .arg(node::oracle().join("peers").join(script))
+        .args(words);
     let output = output.output().context("node does not start")?;
     if !output.status.success() {
         bail!("{script}: {}", String::from_utf8_lossy(&output.stderr));
     }
     serde_json::from_slice(&output.stdout).with_context(|| format!("what {script} prints"))
-}
-
-fn oracle() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle")
 }

@@ -1,8 +1,9 @@
 //! three.js in node: mixer, world matrices and joint matrices of a crowd
 //! (`oracle/crowd_times.mjs`).
 
+use super::node;
 use crate::measure::Timing;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 use std::path::Path;
 use std::process::Command;
@@ -38,19 +39,12 @@ pub(crate) struct Effort {
 /// Times a crowd of characters of one file. `None` where node or its packages are missing and
 /// `ARTICULA_REQUIRE_TOOLS` does not require them.
 pub(crate) fn times(file: &Path, clip: &str, effort: Effort) -> Result<Option<ThreeTimes>> {
-    let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
-    let node = Command::new("node").arg("--version").output();
-    if node.is_err() || !oracle.join("node_modules/three").is_dir() {
-        let required = std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1");
-        ensure!(
-            !required,
-            "ARTICULA_REQUIRE_TOOLS=1, but no three.js in node"
-        );
+    if !node::has(&["node_modules/three"])? {
         return Ok(None);
     }
     let numbers = [effort.count, effort.frames, effort.rounds].map(|n| n.to_string());
     let output = Command::new("node")
-        .arg(oracle.join("crowd_times.mjs"))
+        .arg(node::oracle().join("crowd_times.mjs"))
         .arg(file)
         .arg(clip)
         .args(numbers)

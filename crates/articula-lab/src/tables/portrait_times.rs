@@ -2,7 +2,8 @@
 
 use super::Run;
 use crate::measure::median;
-use anyhow::{Context, Result, bail, ensure};
+use crate::peers::node;
+use anyhow::{Context, Result, bail};
 use articula::flatten::{PortraitShot, portrait};
 use articula::{Executor, Figure, Viewport};
 use articula_flat::portrait::{PageOptions, PortraitOptions, page};
@@ -151,17 +152,11 @@ fn portrait_page(file: &Path, triangles: Option<usize>, views: usize) -> Result<
 /// Times the subjects in turns; `None` where node, its packages or Chromium are missing and
 /// `ARTICULA_REQUIRE_TOOLS` does not require them.
 fn timed(job: &Job) -> Result<Option<Vec<Timed>>> {
-    let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
-    let required = std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1");
-    if !oracle.join("node_modules/three").is_dir() {
-        ensure!(
-            !required,
-            "ARTICULA_REQUIRE_TOOLS=1, but no three.js in node"
-        );
+    if !node::has(&["node_modules/three"])? {
         return Ok(None);
     }
     let mut child = Command::new("node")
-        .arg(oracle.join("portrait_times.mjs"))
+        .arg(node::oracle().join("portrait_times.mjs"))
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()
@@ -172,7 +167,7 @@ fn timed(job: &Job) -> Result<Option<Vec<Timed>>> {
     let output = child.wait_with_output()?;
     match output.status.code() {
         Some(0) => Ok(Some(serde_json::from_slice(&output.stdout)?)),
-        Some(3) if !required => Ok(None),
+        Some(3) if !node::required() => Ok(None),
         _ => bail!("portrait_times.mjs: {}", output.status),
     }
 }

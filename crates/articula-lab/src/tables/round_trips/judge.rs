@@ -1,9 +1,10 @@
 //! The Khronos validator on many files, by a node script of the folder `oracle`.
 
+use crate::peers::node;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 /// Number of errors of each file.
@@ -11,14 +12,11 @@ pub(super) type Errors = HashMap<PathBuf, u64>;
 
 /// Counts the errors of the validator in each file; `None` without node or its packages.
 pub(super) fn errors(files: &[PathBuf]) -> Result<Option<Errors>> {
-    let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
-    let packages = oracle.join("node_modules/gltf-validator").is_dir();
-    let node = || Command::new("node").arg("--version").output().is_ok();
-    if files.is_empty() || !packages || !node() {
+    if files.is_empty() || !node::has(&["node_modules/gltf-validator"])? {
         return Ok(None);
     }
     let output = Command::new("node")
-        .arg(oracle.join("validate.mjs"))
+        .arg(node::oracle().join("validate.mjs"))
         .args(files)
         .output()
         .context("node")?;

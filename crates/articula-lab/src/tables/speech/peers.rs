@@ -1,7 +1,8 @@
 //! Libraries from npm that make visemes of speech, in node (`oracle/peers/visemes.mjs`).
 
 use super::corpus::{Clip, shapes};
-use anyhow::{Context, Result, bail, ensure};
+use crate::peers::node;
+use anyhow::{Context, Result, bail};
 use articula_speech::{VISEME_COUNT, VisemeFrame};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -17,17 +18,10 @@ pub(super) const MISSING: &str =
 /// # Errors
 /// If they are missing and `ARTICULA_REQUIRE_TOOLS` requires them.
 pub(super) fn are_there() -> Result<bool> {
-    let node = Command::new("node").arg("--version").output();
-    let packages = ["@met4citizen/headaudio", "wlipsync"];
-    let folder = folder().join("node_modules");
-    let is_there = node.is_ok() && packages.iter().all(|name| folder.join(name).is_dir());
-    let required = std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1");
-    ensure!(is_there || !required, "ARTICULA_REQUIRE_TOOLS=1: {MISSING}");
-    Ok(is_there)
-}
-
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle/peers")
+    node::has(&[
+        "peers/node_modules/@met4citizen/headaudio",
+        "peers/node_modules/wlipsync",
+    ])
 }
 
 /// A library, and the folder of the speech that its profile is made of.
@@ -82,7 +76,7 @@ impl Peer {
         let path = folder.join("job.json");
         std::fs::write(&path, serde_json::to_vec(&job)?)?;
         let output = Command::new("node")
-            .arg(self::folder().join("visemes.mjs"))
+            .arg(node::oracle().join("peers/visemes.mjs"))
             .arg(self.name)
             .arg(&path)
             .output()
