@@ -3,7 +3,9 @@
 //! A file repeats a colour for less than it names another one, and gradients of equal colours are one. Colours are
 //! taken in the order of how many others lie within the tolerance, so that each that is kept stands for many.
 
-use super::shading::Colors;
+use super::clip::PlanarClip;
+use super::drawn::Drawn;
+use super::shading::{Colors, Shading, drawn_frames, flat_color};
 use std::collections::BTreeMap;
 
 type Color = [u8; 3];
@@ -41,9 +43,32 @@ impl Near {
     }
 }
 
+/// Returns the colours of each of the triangles throughout the clip, off by at most a tolerance in levels for having
+/// few of them.
+pub(super) fn few_colors(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    triangles: impl Iterator<Item = u32>,
+    (shading, tolerance): (Shading, u8),
+) -> BTreeMap<u32, Colors> {
+    let mut colors = BTreeMap::new();
+    for triangle in triangles {
+        colors.entry(triangle).or_insert_with(|| {
+            let t = triangle as usize;
+            let frames = drawn_frames(drawn, t);
+            match shading {
+                Shading::Flat => Colors::Flat(flat_color(clip, t, frames)),
+                Shading::Gouraud => Colors::of(clip, t, frames),
+            }
+        });
+    }
+    make_few(colors.values_mut(), tolerance);
+    colors
+}
+
 /// Replaces colours by others of them that differ by at most `tolerance` levels in each channel. A gradient whose
 /// ends become one colour is flat.
-pub(crate) fn make_few<'a>(all: impl Iterator<Item = &'a mut Colors>, tolerance: u8) {
+fn make_few<'a>(all: impl Iterator<Item = &'a mut Colors>, tolerance: u8) {
     let all: Vec<&mut Colors> = all.collect();
     let mut counts: BTreeMap<Color, usize> = BTreeMap::new();
     for color in all.iter().flat_map(|colors| colors.chosen()) {

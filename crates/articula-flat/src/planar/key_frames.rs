@@ -7,13 +7,13 @@
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
-use super::few_colors::make_few;
+use super::few_colors::few_colors;
 use super::keyed_clip::{BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use super::keyed_motion::KeyedMotion;
 use super::merge::{Region, merge, seal_regions};
 use super::moving_gradient::{self, Corners, Wanted};
 use super::order::Layer;
-use super::shading::{Colors, Shading, drawn_frames, flat_color};
+use super::shading::{Colors, Shading};
 use super::shared_motion::Placed;
 use super::small_shapes::{area, slack_of_small};
 use super::tunnel::{Windows, fewest_keys};
@@ -114,7 +114,10 @@ pub(crate) fn keyed_along(
         return keyed_regions(clip, &regions, &sealed, options);
     }
     let mut reducer = Reducer::new(clip, &sealed.corners, motions, options);
-    let colors = colors(clip, drawn, layers, options);
+    let triangles = layers.iter().filter(|l| !l.frames.is_empty());
+    let triangles = triangles.map(|l| l.triangle);
+    let tolerance = (options.col_tol_levels / SHARE_OF_COLORS) as u8;
+    let colors = few_colors(clip, drawn, triangles, (options.shading, tolerance));
     let mut shapes = Vec::new();
     let motions = of_layer.iter().copied().chain(std::iter::repeat(None));
     let shown = layers.iter().zip(motions).enumerate();
@@ -123,31 +126,6 @@ pub(crate) fn keyed_along(
         shapes.push(reducer.shape(layer, colors[&layer.triangle], motion));
     }
     Ok(reducer.finish(shapes))
-}
-
-/// Colours of each triangle that is shown. Every copy of one has the colours of the whole clip.
-fn colors(
-    clip: &PlanarClip,
-    drawn: &Drawn,
-    layers: &[Layer],
-    options: &KeyOptions,
-) -> BTreeMap<u32, Colors> {
-    let mut colors = BTreeMap::new();
-    for layer in layers.iter().filter(|l| !l.frames.is_empty()) {
-        colors.entry(layer.triangle).or_insert_with(|| {
-            let t = layer.triangle as usize;
-            let frames = drawn_frames(drawn, t);
-            match options.shading {
-                Shading::Flat => Colors::Flat(flat_color(clip, t, frames)),
-                Shading::Gouraud => Colors::of(clip, t, frames),
-            }
-        });
-    }
-    make_few(
-        colors.values_mut(),
-        (options.col_tol_levels / SHARE_OF_COLORS) as u8,
-    );
-    colors
 }
 
 /// Converts regions of one colour to shapes with keys, back to front. `sealed` are their points,

@@ -116,10 +116,9 @@ impl<'a> SvgWriter<'a> {
 
     /// Ends the file.
     pub(super) fn finish(mut self) -> String {
-        self.out.push_str("</svg>");
-        let gradients: String = self.gradients.into_values().collect();
+        let gradients = self.gradients.into_values().collect::<String>();
         self.out.insert_str(self.head, &gradients);
-        self.out
+        self.out + "</svg>"
     }
 
     /// Begins a group with attributes, shown in spans of half frames only.
@@ -374,8 +373,8 @@ impl<'a> SvgWriter<'a> {
         } else {
             let _ = write!(out, ">{stops}{animates}</linearGradient>");
         }
-        self.gradients
-            .insert((!animates.is_empty(), colors, id), out);
+        let key = (!animates.is_empty(), colors, id);
+        self.gradients.insert(key, out);
         Some(id)
     }
 
