@@ -12,8 +12,8 @@ const HEAD: &str = "# Conversion to 2D
 
 Made by `cargo run --release -p articula-lab -- flat`. Pictures of 400 x 400 pixels. Faces
 are seen by the camera of docs/methods/vector.md, part 9 (4.5 half heights away); all other cases are
-framed as by `articula flatten` and have its default number of triangles (the dancing woman 1500; heads
-have no extra weight here). Only triangles that are visible in some frame are counted. Frames are those
+framed as by `articula flatten` and have 600 triangles (the dancing woman 1500; heads have no extra weight
+here), fewer than the command takes by itself for most figures. Only triangles that are visible in some frame are counted. Frames are those
 of the command's default of 25 a second, adjusted so that the last one falls on the end of the clip.
 
 Errors are measured on the file, read back: corners in pixels; the picture against an 8 x 8 supersampled
