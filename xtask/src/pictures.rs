@@ -35,10 +35,10 @@ fn walk(folder: &Path) -> Result<()> {
     articula(&[&flatten[..], &camera, &size].concat())
 }
 
-/// Writes the reference human at moments while it talks.
+/// Writes the painted human at moments while it talks.
 fn talk(folder: &Path) -> Result<()> {
     let human = folder.join("human.glb").display().to_string();
-    articula(&["human", &human])?;
+    articula(&["human", &human, "--painted"])?;
     let sheet = format!("clip-sheet={TALK}");
     articula(&[
         "inspect", &human, "--clip", "talk", "--write", &sheet, "--force",

@@ -17,7 +17,9 @@
 //!
 //! Not included: files. Simplification is that of `articula-build`.
 
+mod bake;
 mod body;
+mod charts;
 mod expression;
 mod eyes;
 mod field;
@@ -33,6 +35,8 @@ mod mannequin;
 mod morphs;
 mod motion;
 mod mouth;
+mod paint;
+mod painted;
 mod performance;
 mod person;
 mod person_head;
@@ -47,6 +51,7 @@ mod weights;
 
 use articula_core::source::Character;
 pub use landmarks::{FeaturePoint, feature_points};
+pub use painted::PaintedHuman;
 use std::ops::RangeInclusive;
 
 /// Supported triangle counts of [`human`].
@@ -111,4 +116,19 @@ pub fn human(options: &HumanOptions) -> Result<Character, HumanError> {
     } else {
         mannequin::character(options.triangles)
     })
+}
+
+/// Creates the human with a face, with its colours in a picture of 512 px instead of its materials.
+///
+/// Shape, skin, blend shapes and clips are those of [`human`]; vertices between two charts of the picture are there
+/// once for each. Both halves of the body have the same texture coordinates, which depend on the position alone, so that a
+/// picture painted for one number of triangles fits all. The picture also holds how much light reaches folds.
+///
+/// # Errors
+/// [`HumanError::Triangles`] if the count is outside of [`TRIANGLES`].
+pub fn painted_human(triangles: usize) -> Result<PaintedHuman, HumanError> {
+    if !TRIANGLES.contains(&triangles) {
+        return Err(HumanError::Triangles { found: triangles });
+    }
+    Ok(painted::human(triangles))
 }

@@ -1,6 +1,7 @@
 //! The human with a face as a character: meshes, materials and clips.
 
 use crate::body::Body;
+use crate::charts::ARMS;
 use crate::expression::{self, Expressions};
 use crate::eyes::EYE;
 use crate::person_pieces::{Piece, Sheet, pieces};
@@ -118,9 +119,6 @@ fn skin_parts(body: &Body, surface: &Surface) -> (Vec<Primitive>, Vec<Primitive>
     }
     (face, rest)
 }
-
-/// A height between the bare skin of the arms and that of the head.
-const ARMS: f32 = 1.4;
 
 /// A piece on one joint: an eyeball on its own, all others on the skull.
 fn small_piece(piece: &Piece) -> Primitive {

@@ -101,6 +101,8 @@ mod old_hashes;
 mod open;
 #[cfg(feature = "flat")]
 pub mod optimize;
+#[cfg(feature = "flat")]
+mod painted_human;
 #[cfg(feature = "prepare")]
 mod prepare;
 mod prepared;
@@ -132,6 +134,8 @@ pub use open::{
     CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,
     choose, conversions, open, open_data, readable, reference_human, reference_mannequin,
 };
+#[cfg(feature = "flat")]
+pub use painted_human::painted_human;
 #[cfg(feature = "prepare")]
 pub use prepare::{
     CheckedPart, ClipTables, PartBytes, PartState, PrepareOptions, PreparedAsset, PreparedCheck,

@@ -3,11 +3,11 @@
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula::Format;
 use articula::core::source::Character;
 use articula::formats::face_points;
 use articula::formats::gltf::Document;
 use articula::human::{HumanOptions, TRIANGLES, feature_points, human};
+use articula::{Format, painted_human};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -23,6 +23,9 @@ pub(crate) struct HumanArgs {
     /// Make the plain mannequin, without a face that moves, hair and clothes
     #[arg(long)]
     mannequin: bool,
+    /// Colours in a picture instead of materials: hair in strands, buttons, pockets, laces, the shade of folds
+    #[arg(long, conflicts_with = "mannequin")]
+    painted: bool,
     /// Also write where the feature points of the face are, as they were constructed
     #[arg(long, value_name = "F.json", conflicts_with = "mannequin")]
     face_points: Option<PathBuf>,
@@ -47,11 +50,18 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
     let outputs = [Some(&args.out), args.face_points.as_ref()];
     let outputs = outputs.into_iter().flatten().map(PathBuf::as_path);
     console.files.plan([], outputs)?;
-    let options = HumanOptions {
-        triangles: args.triangles,
-        face: !args.mannequin,
+    let character = match args.painted {
+        true => with_progress(args.triangles, console, || {
+            painted_human(args.triangles).context("the reference human")
+        })?,
+        false => made(
+            &HumanOptions {
+                triangles: args.triangles,
+                face: !args.mannequin,
+            },
+            console,
+        )?,
     };
-    let character = made(&options, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     let bytes = document.write_glb().context("the reference human")?;
     console.files.write(&args.out, &bytes)?;
@@ -84,7 +94,17 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
 
 /// The reference human.
 pub(crate) fn made(options: &HumanOptions, console: &Console) -> anyhow::Result<Character> {
-    let triangles = options.triangles;
+    with_progress(options.triangles, console, || {
+        human(options).context("the reference human")
+    })
+}
+
+/// Makes a human, if the number of triangles is supported.
+fn with_progress(
+    triangles: usize,
+    console: &Console,
+    make: impl FnOnce() -> anyhow::Result<Character>,
+) -> anyhow::Result<Character> {
     if !TRIANGLES.contains(&triangles) {
         return Err(fault::usage(format!(
             "--triangles {triangles}: the reference human has {} to {} triangles",
@@ -93,7 +113,7 @@ pub(crate) fn made(options: &HumanOptions, console: &Console) -> anyhow::Result<
         )));
     }
     let bar = console.progress("building the human", 1);
-    let character = human(options).context("the reference human")?;
+    let character = make()?;
     bar.finish_and_clear();
     Ok(character)
 }

@@ -344,6 +344,23 @@ fn what_is_retargeted_is_valid() {
     assert!(good, "{}", faults_of(&verdict));
 }
 
+#[test]
+fn the_reference_human_is_valid() {
+    if !judges_are_here() {
+        return;
+    }
+    let here = program::folder("valid-humans");
+    let kinds: [&[&str]; 3] = [&[], &["--painted"], &["--mannequin"]];
+    let written = kinds.iter().enumerate().map(|(i, kind)| {
+        let out = program::word(&here.join(format!("{i}.glb"))).to_owned();
+        let words = [&["human", &out, "--triangles", "2000"], *kind].concat();
+        program::json(&here, &words);
+        out
+    });
+    let (verdict, good) = ask("validate.mjs", &written.collect::<Vec<_>>());
+    assert!(good, "{}", faults_of(&verdict));
+}
+
 /// Copies the BVH files of a folder with at most 40 frames each: most of their time is that of two
 /// long ones.
 fn cut_motions(from: &Path, to: &Path) {

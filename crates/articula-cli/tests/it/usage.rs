@@ -225,6 +225,10 @@ fn wrong_usage_says_what_would_be_right() {
     let cases: &[(&[&str], &str)] = &[
         (&["human", "--triangles", "7", "a.glb"], "2000 to 70000"),
         (&["human", "a.obj"], ".glb"),
+        (
+            &["human", "a.glb", "--painted", "--triangles", "7"],
+            "2000 to 70000",
+        ),
         (&["build", human, "a.vrm"], ".glb"),
         (
             &["convert", human, "a.obj"],

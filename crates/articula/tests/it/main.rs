@@ -38,6 +38,7 @@ mod mesh_levels;
 mod mp4;
 mod optimized;
 mod optimized_textures;
+mod painted_human;
 mod played_traces;
 mod portrait_mouths;
 mod prepared;
