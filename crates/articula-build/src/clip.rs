@@ -6,7 +6,8 @@
 use crate::sampling_rate::{
     SamplingRate, blended_rate, exact_rate, frame_time, keyed_rate, source_rate_hz,
 };
-use articula_core::source::{self, Channel, Interpolation, Property, evaluate};
+use articula_core::source::evaluate::{self, ChannelSampler};
+use articula_core::source::{self, Channel, Interpolation, Property};
 use articula_core::{Clip, Mismatch, Track, Tracks, angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 use std::borrow::Cow;
@@ -225,14 +226,9 @@ fn joint_track(
     let target = channel.target as u16;
     let step = channel.interpolation == Interpolation::Step;
     let vectors = |rest: Vec3, still: f32| -> Option<Track<Vec3>> {
-        let values: Vec<Vec3> = times
-            .iter()
-            .map(|t| {
-                let mut v = [0.0; 3];
-                evaluate::channel(channel, *t, &mut v);
-                Vec3::from_array(v)
-            })
-            .collect();
+        let mut sampler = ChannelSampler::new(channel);
+        let value = |t: &f32| Vec3::from_slice(&sampler.value(*t));
+        let values: Vec<Vec3> = times.iter().map(value).collect();
         let spread = |from: Vec3| values.iter().map(|v| v.distance(from)).fold(0.0, f32::max);
         if spread(rest) <= still {
             return None;
@@ -257,10 +253,9 @@ fn joint_track(
 
 fn rotations(channel: &Channel, joint: &source::Joint, times: &[f32]) -> Option<Track<Quat>> {
     let mut values: Vec<Quat> = Vec::with_capacity(times.len());
+    let mut sampler = ChannelSampler::new(channel);
     for t in times {
-        let mut v = [0.0; 4];
-        evaluate::channel(channel, *t, &mut v);
-        let q = Quat::from_array(v);
+        let q = Quat::from_array(sampler.value(*t));
         values.push(
             values
                 .last()

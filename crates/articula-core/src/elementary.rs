@@ -159,6 +159,13 @@ pub struct LibmArc<Q: LibmQuat> {
     angle: Option<(Q::Scalar, Q::Scalar)>,
 }
 
+impl<Q: LibmQuat> LibmArc<Q> {
+    /// Whether there is an angle between both, so that shares of it differ.
+    pub(crate) fn turns(&self) -> bool {
+        self.angle.is_some()
+    }
+}
+
 macro_rules! rotation {
     ($quat:ty, $scalar:ty, $vector:ty) => {
         impl LibmQuat for $quat {

@@ -5,7 +5,7 @@ use crate::clip::check;
 use articula_core::source::evaluate::{self, Sampler};
 use articula_core::source::{Character, Property, RawClip, Skeleton};
 use articula_core::{Articulation, LocalPose, Mesh, Mismatch, ModelPose, Rig, local_to_model};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 /// Joints, skin and names that an edit needs to measure its effect on a character.
 #[derive(Debug, Clone)]
@@ -93,6 +93,23 @@ impl<'a> EditSubject<'a> {
     pub(super) fn next_pose(&self, sampler: &mut Sampler<'_>, time_secs: f32, posed: &mut Posed) {
         sampler.pose(time_secs, &mut posed.local);
         local_to_model(&self.rig, &posed.local, &mut posed.model);
+    }
+
+    /// As [`Self::next_pose`], but in model space only of a joint and those above it.
+    pub(super) fn next_pose_above(
+        &self,
+        (sampler, time_secs): (&mut Sampler<'_>, f32),
+        joint: usize,
+        posed: &mut Posed,
+    ) {
+        sampler.pose(time_secs, &mut posed.local);
+        let chain: Vec<usize> =
+            std::iter::successors(Some(joint), |j| self.rig.parent(*j)).collect();
+        let mut above = Affine3A::IDENTITY;
+        for j in chain.into_iter().rev() {
+            above *= posed.local.get(j).to_affine();
+            posed.model.matrices[j] = above;
+        }
     }
 
     /// Metres per unit in a joint's own space, at rest.

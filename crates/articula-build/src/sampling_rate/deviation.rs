@@ -3,7 +3,7 @@
 use super::{ON_GRID_FRAMES, USUAL_RATES_HZ, exact_rate, frame_time};
 use crate::key_times::rising;
 use crate::split_mix::SplitMix;
-use articula_core::source::evaluate::{self, Sampler};
+use articula_core::source::evaluate::{self, ChannelSampler, Sampler};
 use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property, RawClip, Skeleton};
 use articula_core::{LocalPose, angle_between, nlerp, same_hemisphere};
 use glam::{Affine3A, Quat, Vec3, Vec3A};
@@ -31,6 +31,9 @@ const MAX_TIMES: usize = 8192;
 const FEW_TIMES: usize = 1024;
 const SEED: u64 = 0x5a_3717;
 
+/// Number of joints of frames that are kept: 20 MB.
+const KEPT_JOINTS: usize = 1 << 19;
+
 /// A rate counts as good as the best one if its deviation is at most this many times as large.
 const AS_GOOD: f32 = 1.25;
 
@@ -42,12 +45,30 @@ pub(super) struct Follower<'a> {
     /// Distance of the farthest skin of each joint, in its own space.
     reaches: Vec<f32>,
     skin_metres: f32,
-    /// Which channels change at once.
-    jumps: Vec<bool>,
+    /// Channels that change.
+    moving: Vec<Moving<'a>>,
+    /// Which joints turn.
+    turning: Vec<bool>,
     jump_times: Vec<f32>,
     times: Vec<f32>,
     wanted: Posed,
     shown: Posed,
+    kept: KeptFrames,
+}
+
+struct Moving<'a> {
+    channel: &'a Channel,
+    /// Whether it changes at once.
+    jumps: bool,
+    /// Evaluates frames.
+    sampler: ChannelSampler<'a>,
+}
+
+/// Frames of one rate that were evaluated, each in one slot of few.
+struct KeptFrames {
+    most_joints: usize,
+    frames: Vec<Option<usize>>,
+    poses: Vec<LocalPose>,
 }
 
 struct Posed {
@@ -71,17 +92,39 @@ impl<'a> Follower<'a> {
         };
         let channels = clip.channels.iter();
         let all_jumps = channels.clone().flat_map(Channel::jump_times);
+        let moving = channels.map(|channel| Moving {
+            channel,
+            jumps: channel.jump_times().next().is_some(),
+            sampler: ChannelSampler::new(channel),
+        });
+        let moving: Vec<Moving<'_>> = moving.filter(|m| m.sampler.still().is_none()).collect();
+        let mut turning = vec![false; skeleton.joints.len()];
+        for m in &moving {
+            if m.channel.property == Property::Rotation {
+                turning[m.channel.target] = true;
+            }
+        }
+        let mut sampler = Sampler::new(clip, skeleton);
+        let mut shown = rest();
+        // Of what does not move this stays.
+        sampler.pose(0.0, &mut shown.local);
         Self {
             clip,
             skeleton,
-            sampler: Sampler::new(clip, skeleton),
+            sampler,
             reaches: reaches(skeleton),
             skin_metres: SKIN_METRES.max(EXTENT_SHARE * extent(skeleton)),
-            jumps: channels.map(|c| c.jump_times().next().is_some()).collect(),
+            moving,
+            turning,
             jump_times: rising(all_jumps.collect()),
             times: times(clip),
             wanted: rest(),
-            shown: rest(),
+            shown,
+            kept: KeptFrames {
+                most_joints: KEPT_JOINTS,
+                frames: Vec::new(),
+                poses: Vec::new(),
+            },
         }
     }
 
@@ -97,12 +140,15 @@ impl<'a> Follower<'a> {
             return Some(*rate);
         }
         self.times.truncate(FEW_TIMES);
-        let usual = rates.iter().filter(|r| USUAL_RATES_HZ.contains(r));
-        let measured: Vec<(f32, f32)> = usual
-            .map(|rate| (*rate, self.deviation(*rate, f32::INFINITY)))
-            .collect();
-        let least = measured.iter().map(|m| m.1).fold(f32::INFINITY, f32::min);
-        let good = measured.iter().find(|m| m.1 <= AS_GOOD * least);
+        // The highest first: of one that is not good, it suffices to know that.
+        let usual = rates.iter().rev().filter(|r| USUAL_RATES_HZ.contains(r));
+        let (mut measured, mut least) = (Vec::new(), f32::INFINITY);
+        for rate in usual {
+            let deviation = self.deviation(*rate, AS_GOOD * least);
+            least = least.min(deviation);
+            measured.push((*rate, deviation));
+        }
+        let good = measured.iter().rev().find(|m| m.1 <= AS_GOOD * least);
         good.map(|m| m.0)
     }
 
@@ -110,22 +156,40 @@ impl<'a> Follower<'a> {
     /// `enough` if it is greater than that.
     fn deviation(&mut self, rate_hz: f32, enough: f32) -> f32 {
         let frames = Frames::new(self.clip.duration_secs, rate_hz);
-        let mut greatest: f32 = 0.0;
-        for i in 0..self.times.len() {
-            let time = self.times[i];
-            if self.is_in_jump(time, frames.rate_hz) {
-                continue;
+        self.kept.forget(frames.steps, self.skeleton);
+        let (mut greatest, mut known): (f32, usize) = (0.0, 0);
+        let mut order: Vec<usize> = Vec::new();
+        while known < self.times.len() {
+            // More and more at once, in the order of time: neighbours share keys and frames.
+            let end = (2 * known + 1).min(self.times.len());
+            order.clear();
+            order.extend(known..end);
+            order.sort_unstable_by(|a, b| self.times[*a].total_cmp(&self.times[*b]));
+            let mut found = vec![0.0; end - known];
+            for i in &order {
+                found[i - known] = self.deviation_at(self.times[*i], frames);
             }
-            self.sampler.pose(time, &mut self.wanted.local);
-            let weights = self.show(time, frames);
-            greatest = greatest.max(weights).max(self.apart());
-            if greatest > enough {
-                // Of the next rate too this is the most doubtful time.
-                self.times.swap(0, i);
-                break;
+            for (i, found) in (known..end).zip(found) {
+                greatest = greatest.max(found);
+                if greatest > enough {
+                    // Of the next rate too this is the most doubtful time.
+                    self.times.swap(0, i);
+                    return greatest;
+                }
             }
+            known = end;
         }
         greatest
+    }
+
+    /// The deviation at a time, as a multiple of its bound; 0 in a jump.
+    fn deviation_at(&mut self, time: f32, frames: Frames) -> f32 {
+        if self.is_in_jump(time, frames.rate_hz) {
+            return 0.0;
+        }
+        self.sampler.pose(time, &mut self.wanted.local);
+        let weights = self.show(time, frames);
+        weights.max(self.apart())
     }
 
     /// Whether a time is within a frame of a jump, at a rate at which a jump may take a frame.
@@ -141,35 +205,65 @@ impl<'a> Follower<'a> {
     /// Blends the frames around a time into the shown pose; returns the deviation of weights.
     fn show(&mut self, time: f32, frames: Frames) -> f32 {
         let (before, after, blend) = frames.around(time);
+        // One of the two.
         let held = frames.held(time);
+        let slots = [before, after, held].map(|frame| self.keep(frame, frames));
+        let [before_pose, after_pose, held_pose] = slots.map(|slot| &self.kept.poses[slot]);
         let mut greatest: f32 = 0.0;
-        for (channel, jumps) in self.clip.channels.iter().zip(&self.jumps) {
-            let secs = |frame| frame_time(channel, *jumps, frames.time(frame), frames.rate_hz);
+        for Moving { channel, jumps, .. } in &self.moving {
             let (from, to, blend) = match channel.interpolation {
-                Interpolation::Step => (secs(held), secs(held), 0.0),
-                _ => (secs(before), secs(after), blend),
+                Interpolation::Step => (held_pose, held_pose, 0.0),
+                _ => (before_pose, after_pose, blend),
             };
-            let local = &mut self.shown.local;
+            let (local, target) = (&mut self.shown.local, channel.target);
             match channel.property {
                 Property::Rotation => {
-                    let [a, b] = [from, to].map(|t| Quat::from_array(value(channel, t)));
-                    local.rotations[channel.target] = nlerp(a, same_hemisphere(a, b), blend);
+                    let [a, b] = [from, to].map(|pose| pose.rotations[target]);
+                    local.rotations[target] = nlerp(a, same_hemisphere(a, b), blend);
                 }
-                Property::Translation | Property::Scale => {
-                    let [a, b] = [from, to].map(|t| Vec3::from_array(value(channel, t)));
-                    let to = if channel.property == Property::Scale {
-                        &mut local.scales
-                    } else {
-                        &mut local.translations
-                    };
-                    to[channel.target] = a.lerp(b, blend);
+                Property::Translation => {
+                    let [a, b] = [from, to].map(|pose| pose.translations[target]);
+                    local.translations[target] = a.lerp(b, blend);
+                }
+                Property::Scale => {
+                    let [a, b] = [from, to].map(|pose| pose.scales[target]);
+                    local.scales[target] = a.lerp(b, blend);
                 }
                 Property::Weights | Property::Expression => {
-                    greatest = greatest.max(weights_apart(channel, [from, to, time], blend));
+                    let [from, to] = match channel.interpolation {
+                        Interpolation::Step => [held, held],
+                        _ => [before, after],
+                    };
+                    let secs = [from, to].map(|frame| frames.time_of(frame, channel, *jumps));
+                    greatest =
+                        greatest.max(weights_apart(channel, [secs[0], secs[1], time], blend));
                 }
             }
         }
         greatest
+    }
+
+    /// Evaluates the joints of a frame, unless they are kept; returns its slot.
+    fn keep(&mut self, frame: usize, frames: Frames) -> usize {
+        let slot = frame % self.kept.frames.len();
+        if self.kept.frames[slot] == Some(frame) {
+            return slot;
+        }
+        self.kept.frames[slot] = Some(frame);
+        let pose = &mut self.kept.poses[slot];
+        for m in &mut self.moving {
+            let target = m.channel.target;
+            if !m.channel.property.is_of_joint() {
+                continue;
+            }
+            let value = m.sampler.value(frames.time_of(frame, m.channel, m.jumps));
+            match m.channel.property {
+                Property::Translation => pose.translations[target] = Vec3::from_slice(&value),
+                Property::Scale => pose.scales[target] = Vec3::from_slice(&value),
+                _ => pose.rotations[target] = Quat::from_array(value),
+            }
+        }
+        slot
     }
 
     /// The deviation of the shown pose from the wanted one.
@@ -178,10 +272,11 @@ impl<'a> Follower<'a> {
         self.shown.place(self.skeleton);
         let mut greatest: f32 = 0.0;
         for j in 0..self.skeleton.joints.len() {
-            let turned = angle_between(
-                self.wanted.local.rotations[j],
-                self.shown.local.rotations[j],
-            );
+            let [a, b] = [&self.wanted, &self.shown].map(|pose| pose.local.rotations[j]);
+            let turned = match self.turning[j] {
+                true => angle_between(a, b),
+                false => 0.0,
+            };
             let (a, b) = (&self.wanted.model[j], &self.shown.model[j]);
             let axes = [
                 b.matrix3.x_axis - a.matrix3.x_axis,
@@ -198,6 +293,18 @@ impl<'a> Follower<'a> {
                 .max(moved / self.skin_metres);
         }
         greatest
+    }
+}
+
+impl KeptFrames {
+    /// Makes room for the frames of a rate; neighbours do not share a slot.
+    fn forget(&mut self, steps: usize, skeleton: &Skeleton) {
+        let joints = skeleton.joints.len().max(1);
+        let slots = (steps + 1).min(self.most_joints / joints).max(2);
+        self.frames.clear();
+        self.frames.resize(slots, None);
+        let rest = || skeleton.joints.iter().map(|j| j.rest).collect();
+        self.poses.resize_with(slots, rest);
     }
 }
 
@@ -237,6 +344,11 @@ impl Frames {
         } else {
             frame as f32 / self.rate_hz
         }
+    }
+
+    /// The time at which a channel shows a frame.
+    fn time_of(&self, frame: usize, channel: &Channel, jumps: bool) -> f32 {
+        frame_time(channel, jumps, self.time(frame), self.rate_hz)
     }
 
     /// The frames before and after a time, and the blend factor between them.
@@ -315,12 +427,6 @@ fn reaches(skeleton: &Skeleton) -> Vec<f32> {
     (0..model.len()).map(local).collect()
 }
 
-fn value<const N: usize>(channel: &Channel, time: f32) -> [f32; N] {
-    let mut out = [0.0; N];
-    evaluate::channel(channel, time, &mut out);
-    out
-}
-
 /// The deviation of a blend between weights at two times from those at a third.
 fn weights_apart(channel: &Channel, [from, to, time]: [f32; 3], blend: f32) -> f32 {
     let parts = match channel.interpolation {
@@ -336,4 +442,94 @@ fn weights_apart(channel: &Channel, [from, to, time]: [f32; 3], blend: f32) -> f
     let (a, b, wanted) = (at(from), at(to), at(time));
     let apart = |i: usize| (a[i] + (b[i] - a[i]) * blend - wanted[i]).abs();
     (0..width).map(apart).fold(0.0, f32::max) / WEIGHT
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::Transform;
+    use articula_core::source::Joint;
+
+    fn channel(target: usize, property: Property, keys: &[(f32, [f32; 4])]) -> Channel {
+        let width = if property == Property::Rotation { 4 } else { 3 };
+        Channel {
+            target,
+            property,
+            interpolation: Interpolation::Linear,
+            times_secs: keys.iter().map(|k| k.0).collect(),
+            values: keys.iter().flat_map(|k| k.1[..width].to_vec()).collect(),
+        }
+    }
+
+    /// A chain of three joints: one turns and jumps, one steps and has a channel that is still, one bends.
+    fn chain() -> (RawClip, Skeleton) {
+        let turn = |angle: f32| Quat::from_rotation_z(angle).to_array();
+        let turns: Vec<_> = (0..40_u16)
+            .map(|i| (f32::from(i) / 37.0, turn(0.3 * f32::from(i * i % 7))))
+            .collect();
+        let jump = [
+            (0.0, [0.0; 4]),
+            (0.5, [0.1, 0.0, 0.0, 0.0]),
+            (0.5 + 0.5 * JUMP_SECS, [0.4, 0.2, 0.0, 0.0]),
+            (1.05, [0.4, 0.0, 0.3, 0.0]),
+        ];
+        let steps = [(0.0, [1.0; 4]), (0.3, [1.2; 4]), (0.8, [0.9; 4])];
+        let bend = [0.0, 0.7, 0.0, 0.5].map(turn);
+        let spline = Channel {
+            interpolation: Interpolation::CubicSpline,
+            times_secs: vec![0.1, 0.9],
+            values: [[0.0; 4], bend[0], [0.1; 4], [-0.2; 4], bend[1], [0.0; 4]].concat(),
+            ..channel(2, Property::Rotation, &[])
+        };
+        let stepped = Channel {
+            interpolation: Interpolation::Step,
+            ..channel(1, Property::Scale, &steps)
+        };
+        let still = [(0.0, turn(0.4)), (1.0, turn(0.4))];
+        let clip = RawClip {
+            duration_secs: 1.05,
+            channels: vec![
+                channel(0, Property::Rotation, &turns),
+                channel(0, Property::Translation, &jump),
+                stepped,
+                channel(1, Property::Rotation, &still),
+                spline,
+            ],
+            ..RawClip::default()
+        };
+        let joint = |parent: Option<usize>| Joint {
+            name: String::new(),
+            parent,
+            rest: Transform::from_translation(0.3 * Vec3::Y),
+            in_skin: true,
+        };
+        let joints = vec![joint(None), joint(Some(0)), joint(Some(1))];
+        (clip, Skeleton { joints })
+    }
+
+    #[test]
+    fn neither_the_order_of_times_nor_kept_frames_change_a_deviation() {
+        let (clip, skeleton) = chain();
+        for rate_hz in [10.0, 24.0, 37.0, 60.0, 120.0] {
+            let mut whole = Follower::new(&clip, &skeleton);
+            let all = whole.deviation(rate_hz, f32::INFINITY);
+            whole.kept.most_joints = 0;
+            assert_eq!(whole.deviation(rate_hz, f32::INFINITY), all);
+            let frames = Frames::new(clip.duration_secs, rate_hz);
+            let alone = |time: &f32| {
+                let mut fresh = Follower::new(&clip, &skeleton);
+                fresh.kept.forget(frames.steps, &skeleton);
+                fresh.deviation_at(*time, frames)
+            };
+            let each: Vec<f32> = whole.times.iter().map(alone).collect();
+            assert_eq!(each.iter().fold(0.0f32, |a, b| a.max(*b)), all);
+            // With a bound the first time beyond it is told, in the order of the list, and comes first from then on.
+            let enough = 0.5 * all;
+            let first = each.iter().position(|d| *d > enough).unwrap();
+            let doubtful = whole.times[first];
+            let told = whole.deviation(rate_hz, enough);
+            assert_eq!(told, each[..=first].iter().fold(0.0f32, |a, b| a.max(*b)));
+            assert_eq!(whole.times[0], doubtful);
+        }
+    }
 }

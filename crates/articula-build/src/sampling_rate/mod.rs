@@ -11,7 +11,8 @@ mod candidates;
 mod deviation;
 
 use crate::key_times::rising;
-use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton, evaluate};
+use articula_core::source::evaluate::ChannelSampler;
+use articula_core::source::{Channel, Interpolation, Property, RawClip, Skeleton};
 use articula_core::{angle_between, nlerp};
 use deviation::Follower;
 use glam::{Quat, Vec3};
@@ -259,27 +260,33 @@ fn curves(clip: &RawClip, extents: &[f32], rate: f32) -> bool {
                 _ => CHORD_SHARE * extents[c.target],
             };
             let time = |i: usize| i as f32 / rate;
-            (0..frames).any(|i| leaves_chord(c, time(i), time(i + 1), bound))
+            let mut sampler = ChannelSampler::new(c);
+            let mut from = sampler.value(time(0));
+            (0..frames).any(|i| {
+                // Rising times, so that neighbouring ones share what their keys have in common.
+                let (start, end) = (time(i), time(i + 1));
+                let inner = QUARTERS.map(|u| sampler.value(start + (end - start) * u));
+                let to = sampler.value(end);
+                let leaves = leaves_chord(c.property, [from, to], inner, bound);
+                from = to;
+                leaves
+            })
         })
 }
 
-fn leaves_chord(c: &Channel, from: f32, to: f32, bound: f32) -> bool {
-    let width = if c.property == Property::Rotation {
-        4
-    } else {
-        3
-    };
-    let value = |t: f32| {
-        let mut v = [0.0; 4];
-        evaluate::channel(c, t, &mut v[..width]);
-        v
-    };
-    let (a, b) = (value(from), value(to));
-    // Keys inside the interval are corners, which no chord follows; the quarter points detect the
-    // curvature of splines and of fast turns.
-    [0.25, 0.5, 0.75].iter().any(|&u| {
-        let m = value(from + (to - from) * u);
-        if c.property == Property::Rotation {
+/// Where curves are compared with their chords. Keys inside the interval are corners, which no chord follows; the
+/// quarter points detect the curvature of splines and of fast turns.
+const QUARTERS: [f32; 3] = [0.25, 0.5, 0.75];
+
+/// Whether a value at a quarter is farther from the chord between two values than the bound.
+fn leaves_chord(
+    property: Property,
+    [a, b]: [[f32; 4]; 2],
+    inner: [[f32; 4]; 3],
+    bound: f32,
+) -> bool {
+    QUARTERS.iter().zip(inner).any(|(&u, m)| {
+        if property == Property::Rotation {
             let chord = nlerp(Quat::from_array(a), Quat::from_array(b), u);
             return angle_between(chord, Quat::from_array(m)) > bound;
         }

@@ -98,40 +98,17 @@ pub fn pose(clip: &RawClip, skeleton: &Skeleton, time_secs: f32, out: &mut Local
 /// that follow each other between them.
 #[derive(Debug, Clone)]
 pub struct Sampler<'a> {
-    clip: &'a RawClip,
     skeleton: &'a Skeleton,
-    /// Of each channel, the one in which it was evaluated last.
-    segments: Vec<Segment>,
-}
-
-/// An interval of a channel without a key inside.
-#[derive(Debug, Clone, Copy)]
-struct Segment {
-    start_secs: f32,
-    end_secs: f32,
-    curve: Curve,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Curve {
-    Constant([f32; 4]),
-    Line([f32; 4], [f32; 4]),
-    Arc(LibmArc<Quat>),
-    Spline,
+    joint_channels: Vec<ChannelSampler<'a>>,
 }
 
 impl<'a> Sampler<'a> {
     /// Starts before the first key.
     pub fn new(clip: &'a RawClip, skeleton: &'a Skeleton) -> Self {
-        let nowhere = Segment {
-            start_secs: f32::INFINITY,
-            end_secs: f32::NEG_INFINITY,
-            curve: Curve::Spline,
-        };
+        let of_joints = clip.channels.iter().filter(|c| c.property.is_of_joint());
         Self {
-            clip,
             skeleton,
-            segments: vec![nowhere; clip.channels.len()],
+            joint_channels: of_joints.map(ChannelSampler::new).collect(),
         }
     }
 
@@ -148,27 +125,130 @@ impl<'a> Sampler<'a> {
         for (j, joint) in self.skeleton.joints.iter().enumerate() {
             out.set(j, joint.rest);
         }
-        for (c, segment) in self.clip.channels.iter().zip(&mut self.segments) {
-            if !c.property.is_of_joint() {
-                continue;
-            }
-            if !(segment.start_secs..segment.end_secs).contains(&time_secs) {
-                *segment = Segment::at(c, time_secs);
-            }
-            let value = segment.value(c, time_secs);
-            match c.property {
-                Property::Translation => out.translations[c.target] = Vec3::from_slice(&value),
-                Property::Scale => out.scales[c.target] = Vec3::from_slice(&value),
-                _ => out.rotations[c.target] = Quat::from_array(value),
+        for sampler in &mut self.joint_channels {
+            let value = sampler.value(time_secs);
+            let target = sampler.channel.target;
+            match sampler.channel.property {
+                Property::Translation => out.translations[target] = Vec3::from_slice(&value),
+                Property::Scale => out.scales[target] = Vec3::from_slice(&value),
+                _ => out.rotations[target] = Quat::from_array(value),
             }
         }
     }
 }
 
+/// Evaluates a channel of a joint at many times, with the bits of [`channel`]: fastest at rising times, of which some lie
+/// between the same keys.
+#[derive(Debug, Clone)]
+pub struct ChannelSampler<'a> {
+    channel: &'a Channel,
+    still: Option<[f32; 4]>,
+    /// The one in which it was evaluated last.
+    segment: Segment,
+}
+
+impl<'a> ChannelSampler<'a> {
+    /// Starts before the first key.
+    pub fn new(channel: &'a Channel) -> Self {
+        let nowhere = Segment {
+            start_secs: f32::INFINITY,
+            end_secs: f32::NEG_INFINITY,
+            after: 0,
+            curve: Curve::Spline,
+        };
+        Self {
+            channel,
+            still: still(channel),
+            segment: nowhere,
+        }
+    }
+
+    /// The value, if it has the same bits at all times.
+    pub fn still(&self) -> Option<[f32; 4]> {
+        self.still
+    }
+
+    /// The value at a time; the last float of translations and scales is 0.
+    ///
+    /// # Panics
+    /// If the channel has no key, too few values for its keys, or is not that of a joint.
+    pub fn value(&mut self, time_secs: f32) -> [f32; 4] {
+        if let Some(still) = self.still {
+            return still;
+        }
+        let segment = &self.segment;
+        if !(segment.start_secs..segment.end_secs).contains(&time_secs) {
+            let after = segment.key_after(&self.channel.times_secs, time_secs);
+            self.segment = Segment::before(self.channel, after);
+        }
+        self.segment.value(self.channel, time_secs)
+    }
+}
+
+/// An interval of a channel without a key inside.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    start_secs: f32,
+    end_secs: f32,
+    /// The key at its end.
+    after: usize,
+    curve: Curve,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Curve {
+    Constant([f32; 4]),
+    Line([f32; 4], [f32; 4]),
+    Arc(LibmArc<Quat>),
+    Spline,
+}
+
+/// The value of a channel of a joint at all times, if all keys are equal and interpolation gives their bits.
+fn still(c: &Channel) -> Option<[f32; 4]> {
+    if !c.property.is_of_joint() || c.interpolation == Interpolation::CubicSpline {
+        return None;
+    }
+    let width = width(c.property);
+    let mut keys = c.values.chunks_exact(width).take(c.times_secs.len());
+    let key = keys.next()?;
+    if !keys.all(|other| std::iter::zip(key, other).all(|(a, b)| a.to_bits() == b.to_bits())) {
+        return None;
+    }
+    let mut held = [0.0; 4];
+    held[..width].copy_from_slice(key);
+    let between = match c.property {
+        Property::Rotation => {
+            let rotation = quat(key);
+            held = rotation.to_array();
+            let arc = rotation.libm_arc(same_hemisphere(rotation, rotation));
+            (!arc.turns()).then(|| quat(&arc.at(0.0).to_array()).to_array())
+        }
+        // Interpolation adds 0, which changes -0 alone.
+        _ => Some(held.map(|a| a + 0.0)).filter(|value| value.iter().all(|a| a.is_finite())),
+    };
+    let is_held = c.interpolation == Interpolation::Step || c.times_secs.len() == 1;
+    let is_same = |between: [f32; 4]| between.map(f32::to_bits) == held.map(f32::to_bits);
+    (is_held || between.is_some_and(is_same)).then_some(held)
+}
+
 impl Segment {
-    fn at(c: &Channel, time_secs: f32) -> Self {
+    /// The first key after a time, which is often that after this segment.
+    fn key_after(&self, times: &[f32], time_secs: f32) -> usize {
+        let is_next = match times.get(self.after..) {
+            Some([start, rest @ ..]) => {
+                *start <= time_secs && rest.first().is_none_or(|end| *end > time_secs)
+            }
+            _ => false,
+        };
+        match is_next {
+            true => self.after + 1,
+            false => times.partition_point(|t| *t <= time_secs),
+        }
+    }
+
+    /// The one that ends at a key, or that after the last one.
+    fn before(c: &Channel, after: usize) -> Self {
         let times = &c.times_secs;
-        let after = times.partition_point(|t| *t <= time_secs);
         let key = |key: usize| {
             let value = &c.values[key * width(c.property)..][..width(c.property)];
             let mut four = [0.0; 4];
@@ -194,6 +274,7 @@ impl Segment {
         Self {
             start_secs: before.map_or(f32::NEG_INFINITY, |before| times[before]),
             end_secs: times.get(after).copied().unwrap_or(f32::INFINITY),
+            after,
             curve,
         }
     }
@@ -302,14 +383,21 @@ mod tests {
         ];
         let steps = prop::collection::vec(0.01f32..0.5, 1..6);
         let values = prop::collection::vec(-1.0f32..1.0, 60);
-        (0..3usize, property, interpolation, steps, values).prop_map(
-            |(target, property, interpolation, steps, mut values)| {
+        let still = any::<bool>();
+        (0..3usize, property, interpolation, steps, values, still).prop_map(
+            |(target, property, interpolation, steps, mut values, is_still)| {
                 let parts = if interpolation == Interpolation::CubicSpline {
                     3
                 } else {
                     1
                 };
                 values.truncate(steps.len() * parts * width(property));
+                if is_still {
+                    let key = values[..width(property)].to_vec();
+                    values
+                        .chunks_exact_mut(key.len())
+                        .for_each(|other| other.copy_from_slice(&key));
+                }
                 let times_secs = steps.iter().scan(-0.1, |secs, step| {
                     *secs += step;
                     Some(*secs)

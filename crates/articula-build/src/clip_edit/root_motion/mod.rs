@@ -21,6 +21,7 @@ use super::similarity::Similarity;
 use super::subject::{EditSubject, Posed};
 use crate::clip::steps_at;
 use crate::key_times::{SAME_SECS, rising};
+use articula_core::source::evaluate::Sampler;
 use articula_core::source::{Channel, Interpolation, JUMP_SECS, Property, RawClip};
 use articula_core::{Mismatch, Transform, angle_between};
 use carrier::Carrier;
@@ -130,7 +131,7 @@ struct Split<'a> {
     subject: &'a EditSubject<'a>,
     clip: &'a RawClip,
     /// The channels that move hips, carrier and its children.
-    near: &'a RawClip,
+    near: Sampler<'a>,
     trajectory: &'a Trajectory<'a>,
     carrier: Carrier,
     /// The children of the carrier that move against it.
@@ -188,7 +189,7 @@ impl<'a> Split<'a> {
             first: carrier.placed(subject, &posed).1,
             subject,
             clip,
-            near,
+            near: subject.sampler(near),
             trajectory,
             carrier,
             in_place,
@@ -197,7 +198,9 @@ impl<'a> Split<'a> {
     }
 
     fn frame(&mut self, secs: f32) -> Frame {
-        self.subject.pose(self.near, secs, &mut self.posed);
+        let at = (&mut self.near, secs);
+        let hips = self.subject.hips();
+        self.subject.next_pose_above(at, hips, &mut self.posed);
         let step = self.trajectory.step(secs, &self.posed);
         let (parent, carrier) = self.carrier.placed(self.subject, &self.posed);
         let (placed, seen) = if self.in_place {

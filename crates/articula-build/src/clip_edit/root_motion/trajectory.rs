@@ -93,7 +93,8 @@ impl<'a> Trajectory<'a> {
         let mut sampler = self.subject.sampler(self.clip);
         let mut yaw = 0.0;
         let key = |secs: &f32| {
-            self.subject.next_pose(&mut sampler, *secs, &mut posed);
+            let at = (&mut sampler, *secs);
+            self.subject.next_pose_above(at, self.hips, &mut posed);
             let place = self.place(*secs, &posed);
             yaw = followed(yaw, place.yaw);
             let way = place.ground - self.start.ground;
@@ -125,11 +126,12 @@ impl<'a> Trajectory<'a> {
     /// reliable, it is interpolated linearly between the reliable ones on either side.
     fn followed(&self, ticks: usize) -> Vec<Place> {
         let mut posed = self.subject.rest();
+        let mut sampler = self.subject.sampler(self.clip);
         let mut places: Vec<Place> = Vec::with_capacity(ticks);
         let mut sure = 0;
         for i in 0..ticks {
-            self.subject
-                .pose(self.clip, i as f32 / VERIFIED_HZ, &mut posed);
+            let at = (&mut sampler, i as f32 / VERIFIED_HZ);
+            self.subject.next_pose_above(at, self.hips, &mut posed);
             let mut place = place(self.subject, self.hips, &posed, self.first);
             let before = places.get(sure).map_or(0.0, |p| p.yaw);
             if place.sure < SURE {
