@@ -5,7 +5,7 @@
 //! have the same coordinates.
 
 use crate::eyes::EYE;
-use crate::person_head::{BARE, INSIDE, SHIRT, SHOES, TROUSERS};
+use crate::person_head::{ARMS, BARE, INSIDE, SHIRT, SHOES, TROUSERS};
 use crate::person_pieces::material;
 use articula_core::source::Primitive;
 use glam::{Vec2, Vec3};
@@ -21,9 +21,6 @@ const MARGIN: f32 = 3.0;
 /// Centres about which the charts of head and hair turn.
 const HEAD: Vec3 = Vec3::new(0.0, 1.62, -0.025);
 const HAIR: Vec3 = Vec3::new(0.0, 1.66, -0.02);
-
-/// A height between the bare skin of the arms and that of the head.
-pub(crate) const ARMS: f32 = 1.4;
 
 /// A view of a part.
 pub(crate) struct Chart {

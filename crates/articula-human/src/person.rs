@@ -1,7 +1,6 @@
 //! The human with a face as a character: meshes, materials and clips.
 
 use crate::body::Body;
-use crate::charts::ARMS;
 use crate::expression::{self, Expressions};
 use crate::eyes::EYE;
 use crate::person_pieces::{Piece, Sheet, pieces};
@@ -108,8 +107,9 @@ fn skin_parts(body: &Body, surface: &Surface) -> (Vec<Primitive>, Vec<Primitive>
     for tone in person_head::BARE..=person_head::SHOES {
         let of_tone = surface.tones.iter().zip(&whole.triangles);
         let triangles = of_tone.filter(|(t, _)| **t == tone).map(|(_, t)| *t);
-        let of_face =
-            |t: &[u32; 3]| tone <= person_head::INSIDE && whole.positions[t[0] as usize].y > ARMS;
+        let of_face = |t: &[u32; 3]| {
+            tone <= person_head::INSIDE && whole.positions[t[0] as usize].y > person_head::ARMS
+        };
         let (head, others): (Vec<_>, Vec<_>) = triangles.partition(of_face);
         for (triangles, parts) in [(head, &mut face), (others, &mut rest)] {
             if !triangles.is_empty() {

@@ -18,6 +18,9 @@ pub(crate) const SHIRT: u8 = 2;
 pub(crate) const TROUSERS: u8 = 3;
 pub(crate) const SHOES: u8 = 4;
 
+/// A height between the bare skin of the arms and that of the head.
+pub(crate) const ARMS: f32 = 1.4;
+
 /// The face from chin to forehead.
 const FACE: [Section; 9] = [
     [1.537, -0.017, 0.017, 0.0735, 0.036],

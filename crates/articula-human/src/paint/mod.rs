@@ -7,7 +7,8 @@ mod face;
 mod hand;
 
 use crate::body::Body;
-use crate::person_head::{self, BARE, INSIDE, SHIRT, TROUSERS};
+use crate::field::Group;
+use crate::person_head::{self, ARMS, BARE, INSIDE, SHIRT, TROUSERS};
 use crate::person_pieces::material;
 use glam::Vec3;
 
@@ -23,7 +24,7 @@ const DARKEST: f32 = 0.75;
 /// What the colours of the human depend on.
 pub(crate) struct Painter<'a> {
     body: &'a Body,
-    hair: crate::field::Group,
+    hair: Group,
     shirt: clothes::Shirt<'a>,
     hand: hand::Hand,
 }
@@ -45,7 +46,7 @@ impl<'a> Painter<'a> {
         const TORSO: usize = SHIRT as usize;
         const LEGS: usize = TROUSERS as usize;
         match material {
-            BARE_SKIN if p.y > crate::charts::ARMS => face::skin(p),
+            BARE_SKIN if p.y > ARMS => face::skin(p),
             BARE_SKIN => self.hand.skin(p, normal),
             MOUTH => Vec3::new(0.22, 0.05, 0.045),
             TORSO => self.shirt.color(p, normal),
