@@ -169,9 +169,9 @@ fn make_asset(
     Ok(built)
 }
 
-/// The file of the reference human.
+/// The file of the painted human.
 fn reference_human(console: &Console) -> anyhow::Result<Vec<u8>> {
-    let character = human::made(&HumanOptions::default(), console)?;
+    let character = human::painted(HumanOptions::default().triangles, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     Ok(document.write_glb()?)
 }

@@ -51,16 +51,8 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
     let outputs = outputs.into_iter().flatten().map(PathBuf::as_path);
     console.files.plan([], outputs)?;
     let character = match args.painted {
-        true => with_progress(args.triangles, console, || {
-            painted_human(args.triangles).context("the reference human")
-        })?,
-        false => made(
-            &HumanOptions {
-                triangles: args.triangles,
-                face: !args.mannequin,
-            },
-            console,
-        )?,
+        true => painted(args.triangles, console)?,
+        false => plain(args, console)?,
     };
     let document = Document::from_character(&character).context("the reference human")?;
     let bytes = document.write_glb().context("the reference human")?;
@@ -92,10 +84,21 @@ pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
     })
 }
 
-/// The reference human.
-pub(crate) fn made(options: &HumanOptions, console: &Console) -> anyhow::Result<Character> {
-    with_progress(options.triangles, console, || {
-        human(options).context("the reference human")
+/// The human or the mannequin with its colours in materials.
+fn plain(args: &HumanArgs, console: &Console) -> anyhow::Result<Character> {
+    let options = HumanOptions {
+        triangles: args.triangles,
+        face: !args.mannequin,
+    };
+    with_progress(args.triangles, console, || {
+        human(&options).context("the reference human")
+    })
+}
+
+/// The human with its colours in a picture.
+pub(crate) fn painted(triangles: usize, console: &Console) -> anyhow::Result<Character> {
+    with_progress(triangles, console, || {
+        painted_human(triangles).context("the reference human")
     })
 }
 
