@@ -200,7 +200,7 @@ impl Chart {
 }
 
 /// The chart that shows a triangle of the left half: its middle, and the sum of its normals.
-pub(crate) fn chart_of(material: usize, middle: Vec3, normal: Vec3) -> usize {
+fn chart_of(material: usize, middle: Vec3, normal: Vec3) -> usize {
     const SKIN: usize = BARE as usize;
     const MOUTH: usize = INSIDE as usize;
     const TORSO: usize = SHIRT as usize;
@@ -223,6 +223,7 @@ pub(crate) fn chart_of(material: usize, middle: Vec3, normal: Vec3) -> usize {
     }
 }
 
+/// The chart that shows a triangle of either half.
 fn chart_of_triangle(of: &Primitive, material: usize, t: &[u32; 3]) -> usize {
     let middle = t.map(|v| of.positions[v as usize]).iter().sum::<Vec3>() / 3.0;
     let normal = t.map(|v| of.normals[v as usize]).iter().sum::<Vec3>();

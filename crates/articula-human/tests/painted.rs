@@ -47,8 +47,10 @@ fn shape_skin_and_blend_shapes_are_those_of_the_plain_human() {
     let (painted, plain) = (&painted().character, plain());
     assert_eq!(painted.clips, plain.clips);
     assert_eq!(painted.skeleton, plain.skeleton);
+    assert_eq!(primitives(painted).count(), primitives(plain).count());
     for (of, like) in primitives(painted).zip(primitives(plain)) {
         assert_eq!(of.triangles.len(), like.triangles.len());
+        assert_eq!(of.morphs.len(), like.morphs.len());
         for (t, u) in of.triangles.iter().zip(&like.triangles) {
             for (v, w) in t.iter().zip(u).map(|(v, w)| (*v as usize, *w as usize)) {
                 let influences = |p: &Primitive, v: usize| {

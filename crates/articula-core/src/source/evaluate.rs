@@ -168,7 +168,8 @@ impl<'a> ChannelSampler<'a> {
         self.still
     }
 
-    /// The value at a time; the last float of translations and scales is 0.
+    /// The value at a time: x, y, z and w of a unit rotation, or x, y, z of a translation or scale, in the units of
+    /// the channel, and 0.
     ///
     /// # Panics
     /// If the channel has no key, too few values for its keys, or is not that of a joint.

@@ -59,8 +59,7 @@ pub(super) fn trousers(p: Vec3, normal: Vec3) -> Vec3 {
         false => 0.7 * spot(p, [0.075, 0.885, -0.11], 0.13),
     };
     let cloth = mix(base, Vec3::new(0.14, 0.17, 0.27), 0.75 * worn);
-    let above_shoe = p.y - 0.088 + 0.1 * p.z;
-    let hem = between(above_shoe, 0.015, 0.0185, 0.001);
+    let hem = between(Borders::shoe(p), 0.015, 0.0185, 0.001);
     let stitches = match is_front {
         true => front_stitches(p),
         false => back_stitches(p),

@@ -1,5 +1,6 @@
 //! The reference human with its colours in a picture, as a file.
 
+use articula::core::source::RawMesh;
 use articula::flat::Picture;
 use articula::formats::gltf::Document;
 use articula::{CharacterFile, OpenOptions, open, painted_human};
@@ -20,6 +21,13 @@ fn the_file_shows_the_picture_that_was_painted() {
     let opaque = painted.pixels.iter().map(|[r, g, b]| [*r, *g, *b, 255]);
     assert!(picture.pixels().iter().copied().eq(opaque));
     let read = &file.character().meshes;
+    let parts = |meshes: &[RawMesh]| {
+        meshes
+            .iter()
+            .map(|m| m.primitives.len())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(parts(read), parts(&painted.character.meshes));
     for (mesh, same) in read.iter().zip(&painted.character.meshes) {
         for (part, same) in mesh.primitives.iter().zip(&same.primitives) {
             assert_eq!(part.texcoords, same.texcoords);

@@ -133,6 +133,7 @@ struct Split<'a> {
     /// The channels that move hips, carrier and its children.
     near: Sampler<'a>,
     trajectory: &'a Trajectory<'a>,
+    hips: usize,
     carrier: Carrier,
     /// The children of the carrier that move against it.
     children: Vec<usize>,
@@ -191,6 +192,7 @@ impl<'a> Split<'a> {
             clip,
             near: subject.sampler(near),
             trajectory,
+            hips: subject.hips(),
             carrier,
             in_place,
             posed,
@@ -199,8 +201,7 @@ impl<'a> Split<'a> {
 
     fn frame(&mut self, secs: f32) -> Frame {
         let at = (&mut self.near, secs);
-        let hips = self.subject.hips();
-        self.subject.next_pose_above(at, hips, &mut self.posed);
+        self.subject.next_pose_above(at, self.hips, &mut self.posed);
         let step = self.trajectory.step(secs, &self.posed);
         let (parent, carrier) = self.carrier.placed(self.subject, &self.posed);
         let (placed, seen) = if self.in_place {
