@@ -49,6 +49,7 @@ pub mod face;
 pub mod joint_names;
 pub mod retarget;
 
+mod beyond;
 mod character;
 mod clip;
 mod clusters;
@@ -74,6 +75,7 @@ mod sampling_rate;
 mod scene;
 mod simplify;
 mod simplify_within;
+mod skin_patches;
 mod source_hash;
 mod split_mix;
 mod surface_distance;

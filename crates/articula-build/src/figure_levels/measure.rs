@@ -4,11 +4,14 @@ use super::bounds::{BoundedLevel, ErrorBounds, Motion, Palettes};
 use super::chain::Candidate;
 use crate::character::Asset;
 use crate::joint_lods::{
-    Poser, Tally, Watched, compare, model_of, pose_of, share_frames, skin_part, spread_frames,
+    BlockComparison, BlockPoser, Tally, Watched, distances_squared, models_of, share_frames,
+    skin_part, spread_frames,
 };
 use crate::surface_distance::{SkinPoint, compact, corners};
-use articula_core::{Binding, LevelSkin, Mesh, ModelPose, palette, skin_points};
-use glam::{Affine3A, Vec3};
+use articula_core::{
+    BLOCK_POSES, Binding, LevelSkin, Mesh, ModelPose, PaletteBlock, PointBlock, palette, skin_block,
+};
+use glam::Affine3A;
 
 /// Frames that share the norms of their matrices.
 const STRETCH: usize = 32;
@@ -69,35 +72,33 @@ impl<'a> LevelMeasurement<'a> {
     /// clips.
     pub(super) fn measure(&self, shown: &[DisplayedLevel], frames: usize) -> Vec<Vec<Tally>> {
         let asset = self.asset;
-        let mut truth = Poser::new(&asset.mesh, self.watched.vertices.clone());
+        let mut truth = BlockPoser::new(&asset.mesh, self.watched.vertices.clone());
         let needed = self.needed(shown);
         let skins = self.skins.iter().zip(&needed);
-        let mut skins: Vec<Poser<'_>> = skins
-            .map(|(mesh, vertices)| Poser::new(mesh, vertices.clone()))
+        let mut skins: Vec<BlockPoser<'_>> = skins
+            .map(|(mesh, vertices)| BlockPoser::new(mesh, vertices.clone()))
             .collect();
         let points = shown.iter().map(|s| {
             let among = self.points[s.points].iter();
             among.map(|p| p.among(&needed[s.skin])).collect()
         });
         let points: Vec<Vec<SkinPoint>> = points.collect();
-        let mut lengths = Vec::with_capacity(self.watched.vertices.len());
-        let mut there: Vec<Vec3> = Vec::with_capacity(self.watched.vertices.len());
+        let mut comparison = BlockComparison::default();
         let mut out = Vec::with_capacity(asset.clips.len());
         let counts = share_frames(&asset.clips, frames);
         for (clip, count) in asset.clips.iter().zip(counts) {
             let mut tallies = vec![Tally::default(); shown.len()];
-            for frame in spread_frames(clip.frames(), count) {
-                let model = model_of(asset, &pose_of(asset, clip, frame));
-                let truth = truth.pose(&model);
+            for block in spread_frames(clip.frames(), count).chunks(BLOCK_POSES) {
+                let models = models_of(asset, clip, block);
+                let truth = truth.pose(&models);
                 for (skin, _) in skins.iter_mut().zip(&needed).filter(|(_, n)| !n.is_empty()) {
-                    skin.pose(&model);
+                    skin.pose(&models);
                 }
                 for (tally, (s, points)) in tallies.iter_mut().zip(shown.iter().zip(&points)) {
                     let posed = &skins[s.skin].points;
-                    there.clear();
-                    there.extend(points.iter().map(|p| p.posed(posed)));
-                    let tallied = compare(truth, &there, self.watched, &mut lengths);
-                    *tally = tally.worst_of(tallied);
+                    let there = points.iter().map(|p| p.posed_block(posed));
+                    let pairs = truth.iter().zip(there);
+                    comparison.take(pairs, self.watched, block.len(), tally);
                 }
             }
             out.push(tallies);
@@ -124,16 +125,15 @@ impl<'a> LevelMeasurement<'a> {
         let counts = share_frames(&self.asset.clips, frames);
         for ((clip, count), tallies) in clips.zip(counts).zip(&mut tallies) {
             for stretch in spread_frames(clip.frames(), count).chunks(STRETCH) {
-                let poses = stretch.iter().map(|frame| {
-                    let model = model_of(self.asset, &pose_of(self.asset, clip, *frame));
-                    self.palettes(&model)
-                });
-                let poses: Vec<Palettes> = poses.collect();
+                let models = models_of(self.asset, clip, stretch);
+                let poses: Vec<Palettes> = models.iter().map(|m| self.palettes(m)).collect();
+                let blocks: Vec<BlockPalettes> =
+                    poses.chunks(BLOCK_POSES).map(BlockPalettes::of).collect();
                 let motion = bounds.motion(&poses);
                 for (level, tally) in tallies.iter_mut().enumerate() {
                     let known = tally.worst_metres;
                     let likely = likely(&bounds, level, &motion, known);
-                    tally.worst_metres = self.worst(&levels[level], &poses, &likely, known);
+                    tally.worst_metres = self.worst(&levels[level], &blocks, &likely, known);
                 }
             }
         }
@@ -157,7 +157,7 @@ impl<'a> LevelMeasurement<'a> {
     fn worst(
         &self,
         level: &BoundedLevel<'_>,
-        poses: &[Palettes],
+        blocks: &[BlockPalettes],
         likely: &[(f32, u32)],
         mut worst: f32,
     ) -> f32 {
@@ -173,16 +173,15 @@ impl<'a> LevelMeasurement<'a> {
                 .map(|(_, i)| level.points[*i as usize])
                 .collect();
             let (corners, points) = compact(&points);
-            truth.resize(vertices.len(), Vec3::ZERO);
-            there.resize(corners.len(), Vec3::ZERO);
-            for pose in poses {
-                skin_points(&self.asset.mesh, &pose.full, &vertices, &mut truth);
-                skin_points(level.skin, &pose.level, &corners, &mut there);
+            truth.resize(vertices.len(), PointBlock::ZERO);
+            there.resize(corners.len(), PointBlock::ZERO);
+            for block in blocks {
+                skin_block(&self.asset.mesh, &block.full, &vertices, &mut truth);
+                skin_block(level.skin, &block.level, &corners, &mut there);
                 for (truth, point) in truth.iter().zip(&points) {
-                    let distance = truth.distance(point.posed(&there));
-                    if distance.is_finite() {
-                        worst = worst.max(distance);
-                    }
+                    let squared = distances_squared(truth, &point.posed_block(&there));
+                    let squared = squared[..block.poses].iter().copied();
+                    worst = worst.max(squared.fold(0.0, f32::max).sqrt());
                 }
             }
         }
@@ -204,6 +203,29 @@ impl<'a> LevelMeasurement<'a> {
     }
 }
 
+/// Palettes of up to eight frames.
+struct BlockPalettes {
+    poses: usize,
+    full: PaletteBlock,
+    level: PaletteBlock,
+}
+
+impl BlockPalettes {
+    fn of(poses: &[Palettes]) -> Self {
+        let mut full = PaletteBlock::new(poses[0].full.len());
+        let mut level = PaletteBlock::new(poses[0].level.len());
+        for (i, pose) in poses.iter().enumerate() {
+            full.set(i, &pose.full);
+            level.set(i, &pose.level);
+        }
+        Self {
+            poses: poses.len(),
+            full,
+            level,
+        }
+    }
+}
+
 /// Bounds and indices of the points of a level whose bound is not within a known error, the greatest first. One
 /// that is no number is greater than all.
 fn likely(bounds: &ErrorBounds, level: usize, motion: &Motion, known: f32) -> Vec<(f32, u32)> {
@@ -222,7 +244,7 @@ mod tests {
     use super::*;
     use crate::joint_lods::test_figures::{arm, moving};
     use crate::joint_lods::{JointLodOptions, merged_levels};
-    use glam::Quat;
+    use glam::{Quat, Vec3};
 
     #[test]
     fn errors_with_few_vertices_measured_are_those_with_all() {

@@ -18,6 +18,7 @@
 //! - [`lod_errors`]: error of each level in each clip
 //! - [`skin_of`]: the points at which errors are measured, also without a mesh
 
+mod blocks;
 mod choose;
 mod errors;
 mod far;
@@ -33,13 +34,13 @@ mod skins;
 pub(crate) mod test_figures;
 mod watch;
 
+pub(crate) use blocks::{BlockComparison, BlockPoser, Tally, distances_squared};
 pub use errors::lod_errors;
 pub(crate) use errors::{MAX_FRAMES, rising};
 pub use far::{FarLevels, far_levels};
 pub use mean_pose::mean_pose;
 pub(crate) use mean_pose::principal;
-pub(crate) use measure::{Poser, Tally, compare};
-pub(crate) use moments::{model_of, pose_of, share_frames, spread_frames};
+pub(crate) use moments::{models_of, share_frames, spread_frames};
 pub use skins::level_skins;
 pub(crate) use skins::skin_part;
 pub(crate) use watch::Watched;

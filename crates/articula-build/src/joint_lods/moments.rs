@@ -29,7 +29,7 @@ pub(crate) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
 }
 
 /// Local pose at a frame: rest where the clip has no track.
-pub(crate) fn pose_of(asset: &Asset, clip: &Clip, frame: usize) -> LocalPose {
+pub(super) fn pose_of(asset: &Asset, clip: &Clip, frame: usize) -> LocalPose {
     pose_at(asset, clip, frame as f64 / f64::from(clip.rate_hz()))
 }
 
@@ -41,10 +41,18 @@ pub(super) fn pose_at(asset: &Asset, clip: &Clip, secs: f64) -> LocalPose {
 }
 
 /// Model-space matrices of a pose.
-pub(crate) fn model_of(asset: &Asset, pose: &LocalPose) -> ModelPose {
+pub(super) fn model_of(asset: &Asset, pose: &LocalPose) -> ModelPose {
     let mut model = ModelPose::new(asset.rig.len());
     local_to_model(&asset.rig, pose, &mut model);
     model
+}
+
+/// Model-space matrices of a clip's poses at some frames.
+pub(crate) fn models_of(asset: &Asset, clip: &Clip, frames: &[usize]) -> Vec<ModelPose> {
+    let frames = frames.iter();
+    frames
+        .map(|frame| model_of(asset, &pose_of(asset, clip, *frame)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Skins of all levels, on one palette.
 
+use super::blocks::Tally;
 use super::fold::{Correction, fold};
-use super::measure::{Tally, WatchedSkin, measure};
+use super::measure::{WatchedSkin, measure};
 use super::plan::Plan;
 use super::prefixes::Prefixes;
 use super::watch::Watched;

@@ -301,7 +301,7 @@ impl<'a> BoundedSkin<'a> {
     /// corners, that is within what is known.
     fn beyond(&mut self, is_within: impl FnMut(Vec3, Vec3) -> bool, mut see: impl FnMut(Vec3)) {
         let (palette, points) = (&self.palette[..], &mut self.points);
-        match &self.skin {
+        match &mut self.skin {
             Skin::Whole => self.body.skinned.positions.iter().for_each(|p| see(*p)),
             Skin::Rigid(patches) => {
                 let mesh = &*self.body.asset.mesh;

@@ -8,6 +8,7 @@
 //! each other binding, so over a patch it lies in the box of the first, moved by at most the greatest
 //! weight times the box of each difference.
 
+use crate::skin_patches::{Patch, split};
 use articula_core::{Mesh, skin_points};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 
@@ -20,18 +21,6 @@ const ROUNDING: f32 = 1e-5;
 /// Difference of a sum of weights from 1 that rounding may leave.
 const SUM_SLACK: f32 = 1e-5;
 
-/// Vertices on one binding, and in part on others.
-struct Patch {
-    vertices: Vec<u32>,
-    /// The binding with the greatest weight.
-    binding: usize,
-    /// Other bindings, each with its greatest weight.
-    others: Vec<(usize, f32)>,
-    /// Box around the rest positions.
-    middle: Vec3A,
-    half: Vec3A,
-}
-
 /// The patches of a mesh.
 pub(super) struct Patches {
     patches: Vec<Patch>,
@@ -39,15 +28,24 @@ pub(super) struct Patches {
     loose: Vec<u32>,
     /// Greatest coordinate at rest.
     reach: f32,
-    /// Of each morph the patches that it moves, with the greatest offset along each axis.
-    morphs: Vec<Vec<(usize, Vec3A)>>,
+    /// What morphs do to each patch and, last, to the loose vertices.
+    morphs: Vec<Vec<PatchMorph>>,
+}
+
+/// What a morph does to a patch.
+struct PatchMorph {
+    slot: u16,
+    /// Offset of each vertex that it moves.
+    offsets: Vec<(u32, Vec3)>,
+    /// The greatest offset along each axis.
+    greatest: Vec3A,
 }
 
 /// A mesh with the morph target weights of a pose.
 pub(super) struct MorphedSkin<'a> {
     source: &'a Mesh,
     patches: &'a Patches,
-    /// The mesh with moved positions.
+    /// The mesh with moved positions, as far as they were asked for.
     mesh: Mesh,
     weights: Vec<f32>,
     /// How far each patch is moved at most along each axis.
@@ -65,39 +63,55 @@ impl<'a> MorphedSkin<'a> {
         }
     }
 
-    /// Moves the vertices at rest, as skinning does.
+    /// Sets the weights.
     pub(super) fn set(&mut self, weights: &[f32]) {
         if self.weights == weights {
             return;
         }
         self.weights.copy_from_slice(weights);
-        self.mesh.positions.copy_from_slice(&self.source.positions);
-        self.spread.fill(Vec3A::ZERO);
-        for (morph, of_patches) in self.source.morphs.iter().zip(&self.patches.morphs) {
-            let weight = weights[usize::from(morph.slot)];
-            if weight == 0.0 {
-                continue;
-            }
-            for (v, offset) in morph.vertices.iter().zip(&morph.positions) {
-                self.mesh.positions[*v as usize] += *offset * weight;
-            }
-            for (patch, greatest) in of_patches {
-                self.spread[*patch] += weight.abs() * *greatest;
-            }
+        for (spread, morphs) in self.spread.iter_mut().zip(&self.patches.morphs) {
+            let moved = morphs
+                .iter()
+                .map(|m| weights[usize::from(m.slot)].abs() * m.greatest);
+            *spread = moved.sum();
         }
     }
 
     /// [`Patches::beyond`] of the moved mesh.
     pub(super) fn beyond(
-        &self,
+        &mut self,
         palette: &[Affine3A],
         points: &mut Vec<Vec3>,
         is_within: impl FnMut(Vec3, Vec3) -> bool,
-        see: impl FnMut(Vec3),
+        mut see: impl FnMut(Vec3),
     ) {
-        let spread = |patch: usize| self.spread[patch];
-        let skin = (&self.mesh, palette, points);
-        self.patches.beyond_spread(skin, spread, is_within, see);
+        let (patches, spread) = (self.patches, &self.spread);
+        let (mesh, source, weights) = (&mut self.mesh, self.source, &self.weights);
+        let skin = |place: usize, vertices: &[u32]| {
+            let morphs = &patches.morphs[place];
+            if !morphs.is_empty() {
+                for v in vertices {
+                    mesh.positions[*v as usize] = source.positions[*v as usize];
+                }
+                for morph in morphs {
+                    morph.apply(weights, &mut mesh.positions);
+                }
+            }
+            see_all((mesh, palette, points), vertices, &mut see);
+        };
+        patches.beyond_spread(palette, |p| spread[p], is_within, skin);
+    }
+}
+
+impl PatchMorph {
+    /// Moves vertices at rest, as skinning does.
+    fn apply(&self, weights: &[f32], positions: &mut [Vec3]) {
+        let weight = weights[usize::from(self.slot)];
+        if weight != 0.0 {
+            for (v, offset) in &self.offsets {
+                positions[*v as usize] += *offset * weight;
+            }
+        }
     }
 }
 
@@ -113,12 +127,12 @@ impl Patches {
         }
         let mut patches = Vec::new();
         for (binding, vertices) in of_binding.into_iter().enumerate() {
-            split(mesh, binding, vertices, &mut patches);
+            split(mesh, binding, vertices, PATCH, &mut patches);
         }
         let coordinates = mesh.positions.iter().map(|p| p.abs().max_element());
         Self {
             reach: coordinates.filter(|c| c.is_finite()).fold(0.0, f32::max),
-            morphs: moved_patches(mesh, &patches),
+            morphs: patch_morphs(mesh, &patches),
             patches,
             loose,
         }
@@ -128,54 +142,71 @@ impl Patches {
     /// them, and calls `see` with each.
     pub(super) fn beyond(
         &self,
-        skin: (&Mesh, &[Affine3A], &mut Vec<Vec3>),
-        is_within: impl FnMut(Vec3, Vec3) -> bool,
-        see: impl FnMut(Vec3),
-    ) {
-        self.beyond_spread(skin, |_| Vec3A::ZERO, is_within, see);
-    }
-
-    fn beyond_spread(
-        &self,
         (mesh, palette, points): (&Mesh, &[Affine3A], &mut Vec<Vec3>),
-        spread: impl Fn(usize) -> Vec3A,
-        mut is_within: impl FnMut(Vec3, Vec3) -> bool,
+        is_within: impl FnMut(Vec3, Vec3) -> bool,
         mut see: impl FnMut(Vec3),
     ) {
-        let mut skin = |vertices: &[u32]| {
-            points.resize(vertices.len(), Vec3::ZERO);
-            skin_points(mesh, palette, vertices, points);
-            points.iter().for_each(|point| see(*point));
-        };
+        let skin = |_, vertices: &[u32]| see_all((mesh, palette, points), vertices, &mut see);
+        self.beyond_spread(palette, |_| Vec3A::ZERO, is_within, skin);
+    }
+
+    /// Calls `skin` with the place of a patch, or of the loose vertices behind all patches, and its vertices.
+    fn beyond_spread(
+        &self,
+        palette: &[Affine3A],
+        spread: impl Fn(usize) -> Vec3A,
+        mut is_within: impl FnMut(Vec3, Vec3) -> bool,
+        mut skin: impl FnMut(usize, &[u32]),
+    ) {
         for (p, patch) in self.patches.iter().enumerate() {
-            let (least, greatest) = patch.around(palette, spread(p), self.reach);
+            let (least, greatest) = around(patch, palette, spread(p), self.reach);
             if !is_within(least, greatest) {
-                skin(&patch.vertices);
+                skin(p, &patch.vertices);
             }
         }
-        skin(&self.loose);
+        skin(self.patches.len(), &self.loose);
     }
 }
 
-/// Of each morph the patches that it moves.
-fn moved_patches(mesh: &Mesh, patches: &[Patch]) -> Vec<Vec<(usize, Vec3A)>> {
-    let mut patch_of = vec![None; mesh.len()];
+/// Skins some vertices and calls `see` with each.
+fn see_all(
+    (mesh, palette, points): (&Mesh, &[Affine3A], &mut Vec<Vec3>),
+    vertices: &[u32],
+    see: &mut impl FnMut(Vec3),
+) {
+    points.resize(vertices.len(), Vec3::ZERO);
+    skin_points(mesh, palette, vertices, points);
+    points.iter().for_each(|point| see(*point));
+}
+
+/// What the morphs do to each patch and to all other vertices.
+fn patch_morphs(mesh: &Mesh, patches: &[Patch]) -> Vec<Vec<PatchMorph>> {
+    let mut patch_of = vec![patches.len(); mesh.len()];
     for (p, patch) in patches.iter().enumerate() {
         for v in &patch.vertices {
-            patch_of[*v as usize] = Some(p);
+            patch_of[*v as usize] = p;
         }
     }
-    let of_morph = mesh.morphs.iter().map(|morph| {
-        let mut greatest = vec![Vec3A::ZERO; patches.len()];
+    let mut all: Vec<Vec<PatchMorph>> = Vec::new();
+    all.resize_with(patches.len() + 1, Vec::new);
+    for morph in &mesh.morphs {
+        let mut of_patches = vec![Vec::new(); patches.len() + 1];
         for (v, offset) in morph.vertices.iter().zip(&morph.positions) {
-            if let Some(p) = patch_of[*v as usize] {
-                greatest[p] = greatest[p].max(Vec3A::from(offset.abs()));
-            }
+            of_patches[patch_of[*v as usize]].push((*v, *offset));
         }
-        let moved = greatest.into_iter().enumerate();
-        moved.filter(|(_, g)| *g != Vec3A::ZERO).collect()
-    });
-    of_morph.collect()
+        for (all, offsets) in all.iter_mut().zip(of_patches) {
+            if offsets.iter().all(|(_, offset)| *offset == Vec3::ZERO) {
+                continue;
+            }
+            let sizes = offsets.iter().map(|(_, offset)| Vec3A::from(offset.abs()));
+            all.push(PatchMorph {
+                slot: morph.slot,
+                greatest: sizes.fold(Vec3A::ZERO, Vec3A::max),
+                offsets,
+            });
+        }
+    }
+    all
 }
 
 /// The binding with the greatest weight of a vertex, if its weights are shares and it has a place.
@@ -190,95 +221,42 @@ fn dominant(mesh: &Mesh, vertex: usize) -> Option<usize> {
     (are_shares && mesh.positions[vertex].is_finite()).then_some(binding)
 }
 
-/// Halves vertices across the longest side of their box until they are few.
-fn split(mesh: &Mesh, binding: usize, mut vertices: Vec<u32>, patches: &mut Vec<Patch>) {
-    let place = |v: &u32| mesh.positions[*v as usize];
-    let Some(first) = vertices.first().map(place) else {
-        return;
-    };
-    let corners = |(least, greatest): (Vec3, Vec3), p: Vec3| (least.min(p), greatest.max(p));
-    let (least, greatest) = vertices.iter().map(place).fold((first, first), corners);
-    if vertices.len() > PATCH {
-        let sides = greatest - least;
-        let axis = (0..3).fold(0, |a, b| if sides[b] > sides[a] { b } else { a });
-        let middle = vertices.len() / 2;
-        vertices.select_nth_unstable_by(middle, |a, b| {
-            place(a)[axis].total_cmp(&place(b)[axis]).then(a.cmp(b))
-        });
-        let other = vertices.split_off(middle);
-        split(mesh, binding, vertices, patches);
-        split(mesh, binding, other, patches);
-        return;
+/// Corners of a box that holds a patch in a pose; not finite if the pose is not.
+fn around(patch: &Patch, palette: &[Affine3A], spread: Vec3A, reach: f32) -> (Vec3, Vec3) {
+    let own = &palette[patch.weights.own.0];
+    let (at, sides) = (Vec3A::from(patch.middle), Vec3A::from(patch.half) + spread);
+    let reach = reach + spread.max_element();
+    let (mut middle, mut half) = moved(own, at, sides);
+    let mut magnitude = magnitude(own, reach);
+    for (binding, weight) in &patch.weights.others {
+        let other = &palette[*binding];
+        let apart = Affine3A {
+            matrix3: other.matrix3 - own.matrix3,
+            translation: other.translation - own.translation,
+        };
+        let (way, around) = moved(&apart, at, sides);
+        // From no weight to the greatest.
+        let (least, greatest) = (way - around, way + around);
+        let least = *weight * least.min(Vec3A::ZERO);
+        let greatest = *weight * greatest.max(Vec3A::ZERO);
+        middle += 0.5 * (least + greatest);
+        half += 0.5 * (greatest - least);
+        magnitude = magnitude.max(self::magnitude(other, reach));
     }
-    let mut others: Vec<(usize, f32)> = Vec::new();
-    for v in &vertices {
-        let of = *v as usize * mesh.influences..(*v as usize + 1) * mesh.influences;
-        let mut own: Vec<(usize, f32)> = Vec::new();
-        for (b, weight) in mesh.binding_indices[of.clone()]
-            .iter()
-            .zip(&mesh.weights[of])
-        {
-            // A vertex may name a binding twice.
-            add(&mut own, usize::from(*b), |sum| sum + weight);
-        }
-        for (b, weight) in own.into_iter().filter(|(b, w)| *b != binding && *w > 0.0) {
-            add(&mut others, b, |most| most.max(weight));
-        }
-    }
-    patches.push(Patch {
-        vertices,
-        binding,
-        others,
-        middle: (0.5 * (least + greatest)).into(),
-        half: (0.5 * (greatest - least)).into(),
-    });
+    half += Vec3A::splat(ROUNDING * magnitude);
+    ((middle - half).into(), (middle + half).into())
 }
 
-fn add(all: &mut Vec<(usize, f32)>, binding: usize, change: impl Fn(f32) -> f32) {
-    match all.iter_mut().find(|(b, _)| *b == binding) {
-        Some((_, weight)) => *weight = change(*weight),
-        None => all.push((binding, change(0.0))),
-    }
-}
-
-impl Patch {
-    /// Corners of a box that holds the patch in a pose; not finite if the pose is not.
-    fn around(&self, palette: &[Affine3A], spread: Vec3A, reach: f32) -> (Vec3, Vec3) {
-        let own = &palette[self.binding];
-        let sides = self.half + spread;
-        let reach = reach + spread.max_element();
-        let (mut middle, mut half) = self.moved(own, sides);
-        let mut magnitude = magnitude(own, reach);
-        for (binding, weight) in &self.others {
-            let other = &palette[*binding];
-            let apart = Affine3A {
-                matrix3: other.matrix3 - own.matrix3,
-                translation: other.translation - own.translation,
-            };
-            let (way, around) = self.moved(&apart, sides);
-            // From no weight to the greatest.
-            let (least, greatest) = (way - around, way + around);
-            let least = *weight * least.min(Vec3A::ZERO);
-            let greatest = *weight * greatest.max(Vec3A::ZERO);
-            middle += 0.5 * (least + greatest);
-            half += 0.5 * (greatest - least);
-            magnitude = magnitude.max(self::magnitude(other, reach));
-        }
-        half += Vec3A::splat(ROUNDING * magnitude);
-        ((middle - half).into(), (middle + half).into())
-    }
-
-    /// Middle and half sides of the box around the moved box at rest, given its half sides.
-    fn moved(&self, by: &Affine3A, sides: Vec3A) -> (Vec3A, Vec3A) {
-        let Mat3A {
-            x_axis,
-            y_axis,
-            z_axis,
-        } = by.matrix3;
-        let half = x_axis.abs() * sides.x + y_axis.abs() * sides.y;
-        let half = half + z_axis.abs() * sides.z;
-        (by.transform_point3a(self.middle), half)
-    }
+/// Middle and half sides of the box around a moved box, given its own.
+fn moved(by: &Affine3A, middle: Vec3A, sides: Vec3A) -> (Vec3A, Vec3A) {
+    let Mat3A {
+        x_axis,
+        y_axis,
+        z_axis,
+    } = by.matrix3;
+    let half = x_axis.abs() * sides.x + y_axis.abs() * sides.y;
+    let half = half + z_axis.abs() * sides.z;
+    (by.transform_point3a(middle), half)
 }
 
 /// Bound on the numbers that are added where a vertex is placed by a matrix.
@@ -370,7 +348,7 @@ mod tests {
         let patches = Patches::new(&mesh);
         let last = patches.patches.iter().find(|p| p.vertices == [2]);
         if let Some(last) = last {
-            let (least, greatest) = last.around(&turned, Vec3A::ZERO, 1.0);
+            let (least, greatest) = around(last, &turned, Vec3A::ZERO, 1.0);
             assert!((greatest - least).max_element() < 1e-3);
         }
         // A pose that is not finite is never within.

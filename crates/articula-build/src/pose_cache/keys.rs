@@ -1,7 +1,7 @@
 //! Selection of the key times of a clip: long spans in which linear blends stay close to the skin.
 
-use super::beyond::points_beyond;
 use super::skins::Skins;
+use crate::beyond::points_beyond;
 use crate::motion_error::runs::long_runs;
 use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{Backend, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows, SMALL_PART};

@@ -8,34 +8,52 @@
 //! the order of these bounds, so that the first ones have nearly the greatest errors; of the others only
 //! vertices are skinned whose sum exceeds the greatest error so far.
 
-use super::beyond::points_beyond;
-use super::looks::{Change, Looks, ShownError, influences};
+use super::looks::{Change, Images, Looks, ShownError, influences, squared_lengths};
+use crate::beyond::points_beyond;
+use crate::skin_patches::{GreatestWeights, Patch, split};
 use articula_core::{Mesh, percentile};
-use glam::{Affine3A, Mat3A, Vec3, Vec3A};
+use glam::{Vec3, Vec4};
 
-/// Covers f32 rounding in the bound of a vertex, relative to it and in metres.
-const ROUNDING: f32 = 1e-3;
-const ROUNDING_METRES: f32 = 1e-6;
+/// Covers f32 rounding in a bound and in what is bounded, relative to the bound and to the greatest number that is
+/// added on the way.
+const ROUNDING: f32 = 1e-5;
+
+/// Most vertices of a patch.
+const PATCH: usize = 16;
 
 /// The greatest error of one clip at one level so far.
 #[derive(Debug, Clone)]
 pub(super) struct LevelError<'a> {
+    skin: &'a BoundedSkin,
     mesh: &'a Mesh,
-    groups: &'a [Group],
-    /// Vertices over which the percentile is computed.
-    sample: &'a [u32],
-    /// How many of these each binding moves.
-    of_sample: Vec<usize>,
     /// Bound for the skin of each binding in each tick of a block, metres.
     bounds: Vec<f32>,
     lengths: Vec<f32>,
     error: ShownError,
 }
 
-/// The vertices of one binding, and the box around them in mesh space.
+/// A skin in patches, all of it and the sample over which percentiles are computed.
 #[derive(Debug, Clone)]
-pub(super) struct Group {
-    vertices: Vec<u32>,
+pub(super) struct BoundedSkin {
+    groups: Vec<Group>,
+    all: Vec<PatchGroup>,
+    sample: Vec<PatchGroup>,
+    /// Number of vertices of the sample, with those that have no place.
+    sample_len: usize,
+    /// Greatest coordinate.
+    reach: f32,
+}
+
+/// The patches on one binding.
+#[derive(Debug, Clone)]
+struct PatchGroup {
+    weights: GreatestWeights,
+    patches: Vec<Patch>,
+}
+
+/// The box around the vertices of one binding in mesh space.
+#[derive(Debug, Clone)]
+struct Group {
     least: Vec3,
     greatest: Vec3,
     /// Greatest sum of the magnitudes of the weights of a vertex, at least 1.
@@ -43,18 +61,12 @@ pub(super) struct Group {
 }
 
 impl<'a> LevelError<'a> {
-    pub(super) fn new(mesh: &'a Mesh, groups: &'a [Group], sample: &'a [u32]) -> Self {
-        let mut of_sample = vec![0; groups.len()];
-        for vertex in sample {
-            influences(mesh, *vertex as usize).for_each(|(b, _)| of_sample[b] += 1);
-        }
+    pub(super) fn new(mesh: &'a Mesh, skin: &'a BoundedSkin) -> Self {
         Self {
+            skin,
             mesh,
-            groups,
-            sample,
-            of_sample,
             bounds: Vec::new(),
-            lengths: Vec::with_capacity(sample.len()),
+            lengths: Vec::with_capacity(skin.sample_len),
             error: ShownError::default(),
         }
     }
@@ -66,13 +78,14 @@ impl<'a> LevelError<'a> {
 
     /// Adds ticks, whose changes may be those of more bindings than the level has.
     pub(super) fn take(&mut self, looks: &Looks) {
+        let groups = &self.skin.groups;
         let mut bounds = std::mem::take(&mut self.bounds);
         bounds.clear();
         for changes in looks.ticks() {
-            let each = self.groups.iter().zip(changes);
-            bounds.extend(each.map(|(group, change)| group.bound(change)));
+            let each = groups.iter().zip(changes);
+            bounds.extend(each.map(|(group, change)| group.bound(change, self.skin.reach)));
         }
-        let count = self.groups.len().max(1);
+        let count = groups.len().max(1);
         let greatest = |of: &[f32]| of.iter().copied().fold(0.0, f32::max);
         let most = bounds.chunks_exact(count).map(greatest);
         let mut order: Vec<(f32, usize)> = most.zip(0..).collect();
@@ -83,7 +96,9 @@ impl<'a> LevelError<'a> {
                 break;
             }
             let (changes, bounds) = (looks.tick(tick), &bounds[tick * count..][..count]);
-            self.add_all(changes, bounds);
+            if most > self.error.worst_metres {
+                self.add_all(changes, bounds);
+            }
             self.add_sample(changes, bounds);
         }
         self.bounds = bounds;
@@ -91,19 +106,18 @@ impl<'a> LevelError<'a> {
 
     /// Adds the errors of all vertices in one tick.
     fn add_all(&mut self, changes: &[Change], bounds: &[f32]) {
-        for (binding, group) in self.groups.iter().enumerate() {
+        let worst = &mut self.error.worst_metres;
+        for group in &self.skin.all {
             // What is not a number exceeds nothing.
-            if bounds[binding] <= self.error.worst_metres {
-                continue;
-            }
-            for vertex in &group.vertices {
-                let known = self.error.worst_metres;
-                // A vertex of several bindings is looked at with the first one that exceeds what is known.
-                let is_first = |b: usize| b >= binding || bounds[b] <= known;
-                let mut of = influences(self.mesh, *vertex as usize);
-                if of.all(|(b, _)| is_first(b)) && bound(self.mesh, *vertex, bounds) > known {
-                    let metres = Change::of_vertex(changes, self.mesh, *vertex);
-                    self.error.worst_metres = self.error.worst_metres.max(metres);
+            let may_exceed = coarse_bound(&group.weights, bounds) > *worst;
+            for patch in group.patches.iter().filter(|_| may_exceed) {
+                if !self.skin.may_exceed(patch, (changes, bounds), *worst) {
+                    continue;
+                }
+                for vertex in &patch.vertices {
+                    if bound(self.mesh, *vertex, bounds) > *worst {
+                        *worst = worst.max(Change::of_vertex(changes, self.mesh, *vertex));
+                    }
                 }
             }
         }
@@ -112,30 +126,30 @@ impl<'a> LevelError<'a> {
     /// Adds the percentile over the sample in one tick.
     fn add_sample(&mut self, changes: &[Change], bounds: &[f32]) {
         let (mesh, known) = (self.mesh, self.error.percentile_metres);
-        let beyond = points_beyond(self.sample.len());
-        let of_groups = self.of_sample.iter().zip(bounds);
-        let moved = of_groups.filter(|(_, bound)| **bound > known);
-        if moved.map(|(count, _)| count).sum::<usize>() <= beyond {
+        let beyond = points_beyond(self.skin.sample_len);
+        let sample = &self.skin.sample;
+        let groups = sample.iter();
+        let groups = groups.filter(|g| coarse_bound(&g.weights, bounds) > known);
+        let patches = groups.flat_map(|g| &g.patches);
+        let moved = patches.filter(|p| coarse_bound(&p.weights, bounds) > known);
+        // So few may be beyond the percentile without raising it.
+        if moved.clone().map(|p| p.vertices.len()).sum::<usize>() <= beyond {
             return;
         }
-        let may = |v: &&u32| bound(mesh, **v, bounds) > known;
-        let does = |v: &&u32| Change::of_vertex(changes, mesh, **v) > known;
-        // So few may be beyond the percentile without raising it.
-        if self.sample.iter().filter(may).nth(beyond).is_none()
-            || self
-                .sample
-                .iter()
-                .filter(may)
-                .filter(does)
-                .nth(beyond)
-                .is_none()
-        {
+        let may = moved.filter(|p| self.skin.may_exceed(p, (changes, bounds), known));
+        let may = may.flat_map(|p| &p.vertices);
+        let does = may.filter(|v| {
+            bound(mesh, **v, bounds) > known && Change::of_vertex(changes, mesh, **v) > known
+        });
+        if does.take(beyond + 1).count() <= beyond {
             return;
         }
         let lengths = &mut self.lengths;
         lengths.clear();
-        let each = self.sample.iter();
+        let patches = sample.iter().flat_map(|g| &g.patches);
+        let each = patches.flat_map(|p| &p.vertices);
         lengths.extend(each.map(|v| Change::of_vertex(changes, mesh, *v)));
+        lengths.resize(self.skin.sample_len, 0.0);
         self.error.percentile_metres = known.max(percentile(lengths, 0.95));
     }
 }
@@ -146,11 +160,81 @@ fn bound(mesh: &Mesh, vertex: u32, bounds: &[f32]) -> f32 {
     of.map(|(b, weight)| weight.abs() * bounds[b]).sum()
 }
 
+/// Upper bound on how far vertices are off, given their greatest weights and those of all bindings.
+fn coarse_bound(weights: &GreatestWeights, bounds: &[f32]) -> f32 {
+    let all = weights.others.iter().chain([&weights.own]);
+    all.map(|(b, weight)| weight * bounds[*b]).sum()
+}
+
+impl BoundedSkin {
+    /// Divides a mesh and a sample of its vertices into patches.
+    pub(super) fn new(mesh: &Mesh, sample: &[u32]) -> Self {
+        let all: Vec<u32> = (0..mesh.len() as u32).collect();
+        let reach = mesh.positions.iter().map(|p| p.abs().max_element());
+        Self {
+            groups: Group::of(mesh),
+            all: patches(mesh, &all),
+            sample: patches(mesh, sample),
+            sample_len: sample.len(),
+            reach: reach.filter(|c| c.is_finite()).fold(0.0, f32::max),
+        }
+    }
+
+    /// Whether a vertex of a patch may be off by more than is known, by the bounds of all bindings and by the box
+    /// around the patch: with weights that sum to 1 it moves as its own binding does, and by its other weights
+    /// times what these bindings do otherwise.
+    fn may_exceed(
+        &self,
+        patch: &Patch,
+        (changes, bounds): (&[Change], &[f32]),
+        known: f32,
+    ) -> bool {
+        let weights = &patch.weights;
+        if coarse_bound(weights, bounds) <= known {
+            return false;
+        }
+        let far = |change: &Change| {
+            let middle = change.at(patch.middle);
+            Change::over(farthest(&middle, &change.along(patch.half)))
+        };
+        let own = &changes[weights.own.0];
+        let mut metres = far(own) * (1.0 + patch.unbalanced);
+        let mut magnitude = own.magnitude(self.reach);
+        for (binding, weight) in &weights.others {
+            let other = &changes[*binding];
+            metres += weight * far(&other.less(own));
+            magnitude = magnitude.max(other.magnitude(self.reach));
+        }
+        metres * (1.0 + ROUNDING) + ROUNDING * magnitude > known
+    }
+}
+
+/// Patches of those vertices that have a place, by the heaviest binding.
+fn patches(mesh: &Mesh, vertices: &[u32]) -> Vec<PatchGroup> {
+    let mut of_binding = vec![Vec::new(); mesh.bindings.len()];
+    let finite = |v: &&u32| mesh.positions[**v as usize].is_finite();
+    for v in vertices.iter().filter(finite) {
+        let of = influences(mesh, *v as usize);
+        let heaviest = of.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        if let Some((binding, _)) = heaviest {
+            of_binding[binding].push(*v);
+        }
+    }
+    let groups = of_binding.into_iter().enumerate();
+    let groups = groups.map(|(binding, vertices)| {
+        let mut patches = Vec::new();
+        split(mesh, binding, vertices, PATCH, &mut patches);
+        let mut weights = GreatestWeights::on(binding);
+        patches.iter().for_each(|p| weights.join(&p.weights));
+        PatchGroup { weights, patches }
+    });
+    groups.filter(|g| !g.patches.is_empty()).collect()
+}
+
 impl Group {
-    /// The vertices of each binding of a mesh.
-    pub(super) fn of(mesh: &Mesh) -> Vec<Self> {
+    /// The boxes of the bindings of a mesh.
+    fn of(mesh: &Mesh) -> Vec<Self> {
         let nothing = Self {
-            vertices: Vec::new(),
             least: Vec3::INFINITY,
             greatest: Vec3::NEG_INFINITY,
             sum: 1.0,
@@ -164,9 +248,6 @@ impl Group {
             for (binding, _) in influences(mesh, v) {
                 let group = &mut groups[binding];
                 group.sum = group.sum.max(sum);
-                if group.vertices.last() != Some(&(v as u32)) {
-                    group.vertices.push(v as u32);
-                }
                 group.least = group.least.min(*position);
                 group.greatest = group.greatest.max(*position);
             }
@@ -175,31 +256,38 @@ impl Group {
     }
 
     /// Upper bound on the error of the skin of the binding.
-    fn bound(&self, change: &Change) -> f32 {
-        if self.vertices.is_empty() {
+    fn bound(&self, change: &Change, reach: f32) -> f32 {
+        // Of no vertices.
+        if self.least.x > self.greatest.x {
             return 0.0;
         }
-        change.over(|map| self.farthest(map)) * self.sum * (1.0 + ROUNDING) + ROUNDING_METRES
-    }
-
-    /// Length of the longest image of a corner of the box.
-    fn farthest(&self, map: &Affine3A) -> f32 {
         let half = 0.5 * (self.greatest - self.least);
-        let middle = map.transform_point3a((0.5 * (self.least + self.greatest)).into());
-        let Mat3A {
-            x_axis,
-            y_axis,
-            z_axis,
-        } = map.matrix3;
-        let (x, y, z) = (x_axis * half.x, y_axis * half.y, z_axis * half.z);
-        let corners = [x + y + z, x + y - z, x - y + z, x - y - z];
-        let squared = |at: Vec3A| {
-            (middle + at)
-                .length_squared()
-                .max((middle - at).length_squared())
-        };
-        corners.map(squared).into_iter().fold(0.0, f32::max).sqrt()
+        let middle = change.at(0.5 * (self.least + self.greatest));
+        let metres = Change::over(farthest(&middle, &change.along(half)));
+        (metres * (1.0 + ROUNDING) + ROUNDING * change.magnitude(reach)) * self.sum
     }
+}
+
+/// Lengths of the longest images of a corner of a box, given those of its middle and of half its sides; infinite
+/// where that is not a number.
+fn farthest(middle: &Images, [x, y, z]: &[Images; 3]) -> Vec4 {
+    let mut squared = Vec4::ZERO;
+    for (y_sign, z_sign) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+        let corner = |row: usize| x[row] + y[row] * y_sign + z[row] * z_sign;
+        let corner = [corner(0), corner(1), corner(2)];
+        let one = [0, 1, 2].map(|row| middle[row] + corner[row]);
+        let other = [0, 1, 2].map(|row| middle[row] - corner[row]);
+        squared = squared.max(squared_lengths(&one).max(squared_lengths(&other)));
+    }
+    let lengths = squared.to_array().map(f32::sqrt);
+    let number = |length: f32| {
+        if length.is_nan() {
+            f32::INFINITY
+        } else {
+            length
+        }
+    };
+    Vec4::from_array(lengths.map(number))
 }
 
 #[cfg(test)]
@@ -207,7 +295,7 @@ mod tests {
     use super::super::super::joint_lods::test_figures::arm;
     use super::*;
     use crate::split_mix::SplitMix;
-    use glam::Quat;
+    use glam::{Affine3A, Quat};
 
     /// Weights of the mesh times a factor for each vertex.
     fn unequal(mesh: &mut Mesh) {
@@ -226,9 +314,9 @@ mod tests {
             *position += Vec3::new(number(0.3), number(0.3), number(0.3));
         }
         unequal(&mut mesh);
-        let (groups, sample) = (Group::of(&mesh), (0..mesh.len() as u32).step_by(2));
-        let sample: Vec<u32> = sample.collect();
-        let mut found = LevelError::new(&mesh, &groups, &sample);
+        let sample: Vec<u32> = (0..mesh.len() as u32).step_by(2).collect();
+        let skin = BoundedSkin::new(&mesh, &sample);
+        let mut found = LevelError::new(&mesh, &skin);
         let mut expected = ShownError::default();
         let mut looks = Looks::new(mesh.bindings.len());
         for tick in 0..300 {
@@ -267,7 +355,6 @@ mod tests {
     fn what_is_not_finite_counts_as_nothing() {
         let mut mesh = Mesh::clone(&arm(2).mesh);
         mesh.positions[3] = Vec3::NAN;
-        let groups = Group::of(&mesh);
         let mut looks = Looks::new(2);
         let same = [Affine3A::IDENTITY; 2];
         let lost = [Affine3A::from_translation(Vec3::NAN); 2];
@@ -275,7 +362,8 @@ mod tests {
         looks.add([&same; 3], [&lost; 3]);
         looks.add([&same; 3], [&off; 3]);
         let all: Vec<u32> = (0..mesh.len() as u32).collect();
-        let mut found = LevelError::new(&mesh, &groups, &all);
+        let skin = BoundedSkin::new(&mesh, &all);
+        let mut found = LevelError::new(&mesh, &skin);
         found.take(&looks);
         assert_eq!(found.error().worst_metres, 0.25);
         assert_eq!(found.error().percentile_metres, 0.25);

@@ -1,20 +1,21 @@
 //! What a palette that is shown changes, binding by binding, against the true one.
 
 use articula_core::{Mesh, lod_error_metres};
-use glam::{Affine3A, Vec3A};
+use glam::{Affine3A, Vec3, Vec4};
 
 /// Share of the bend over one tick that is added between its half ticks: a constant curvature would
 /// need a quarter.
 const BEND_SHARE: f32 = 0.5;
 
-/// Difference of the shown and the true matrix of one binding in one tick.
+/// Difference of the shown and the true matrix of one binding in one tick: at its begin, in its middle and at
+/// its end, and the bend of the true one in the middle, against the mean of both ends.
+///
+/// The components of the four matrices, column by column, so that all four are applied at once.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Change {
-    /// At the begin, the middle and the end of the tick.
-    apart: [Affine3A; 3],
-    /// Of the true matrix in the middle, against the mean of both ends.
-    bend: Affine3A,
-}
+pub(super) struct Change([Vec4; 12]);
+
+/// What the four matrices of a change make of a point: its x, y and z.
+pub(super) type Images = [Vec4; 3];
 
 /// Changes of ticks, one after the other, each of so many bindings.
 #[derive(Debug, Default)]
@@ -24,47 +25,78 @@ pub(super) struct Looks {
 }
 
 impl Change {
-    const NONE: Self = Self {
-        apart: [Affine3A::ZERO; 3],
-        bend: Affine3A::ZERO,
-    };
-
     pub(super) fn new(truth: [&Affine3A; 3], shown: [&Affine3A; 3]) -> Self {
         let [before, middle, after] = truth;
         let mut line = Affine3A::ZERO;
         for end in [before, after] {
-            add(&mut line, end, 0.5);
+            line.matrix3 += end.matrix3 * 0.5;
+            line.translation += end.translation * 0.5;
         }
-        Self {
-            apart: [0, 1, 2].map(|at| difference(truth[at], shown[at])),
-            bend: difference(middle, &line),
-        }
+        let [a, b, c] = [0, 1, 2].map(|at| difference(truth[at], shown[at]).to_cols_array());
+        let bend = difference(middle, &line).to_cols_array();
+        Self(std::array::from_fn(|i| {
+            Vec4::new(a[i], b[i], c[i], bend[i])
+        }))
     }
 
-    /// Greatest length over the tick, given the length that each matrix gives some point.
+    /// Greatest number that is added where the images of a point are computed, given its greatest coordinate.
     #[inline]
-    pub(super) fn over(&self, length: impl Fn(&Affine3A) -> f32) -> f32 {
-        let apart = self.apart.iter().map(&length).fold(0.0, f32::max);
-        apart + BEND_SHARE * length(&self.bend)
+    pub(super) fn magnitude(&self, coordinate: f32) -> f32 {
+        let greatest = |of: &[Vec4]| of.iter().fold(Vec4::ZERO, |most, c| most.max(c.abs()));
+        let (linear, moved) = self.0.split_at(9);
+        (greatest(linear) * coordinate)
+            .max(greatest(moved))
+            .max_element()
+    }
+
+    /// What this changes otherwise than another.
+    #[inline]
+    pub(super) fn less(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] - other.0[i]))
+    }
+
+    /// Images of a point.
+    #[inline]
+    pub(super) fn at(&self, point: Vec3) -> Images {
+        let along = self.along(point);
+        std::array::from_fn(|row| along[0][row] + along[1][row] + along[2][row] + self.0[9 + row])
+    }
+
+    /// Images of three vectors along the axes.
+    #[inline]
+    pub(super) fn along(&self, lengths: Vec3) -> [Images; 3] {
+        let axis = |axis: usize| [0, 1, 2].map(|row| self.0[3 * axis + row] * lengths[axis]);
+        [axis(0), axis(1), axis(2)]
+    }
+
+    /// Greatest length over the tick, given those that the four matrices give some point; none is NaN.
+    #[inline]
+    pub(super) fn over(lengths: Vec4) -> f32 {
+        let [a, b, c, bend] = lengths.to_array();
+        let greater = |a: f32, b: f32| if a > b { a } else { b };
+        greater(greater(a, b), c) + BEND_SHARE * bend
     }
 
     /// How far a vertex is off in a tick, given the changes of all bindings; distances that are not finite
     /// count as 0.
     pub(super) fn of_vertex(changes: &[Self], mesh: &Mesh, vertex: u32) -> f32 {
-        let mut own = Self::NONE;
+        let mut own = [Vec4::ZERO; 12];
         for (binding, weight) in influences(mesh, vertex as usize) {
-            let of = &changes[binding];
-            for (own, of) in own.apart.iter_mut().zip(&of.apart) {
-                add(own, of, weight);
+            for (own, of) in own.iter_mut().zip(&changes[binding].0) {
+                *own += *of * weight;
             }
-            add(&mut own.bend, &of.bend, weight);
         }
-        let at = Vec3A::from(mesh.positions[vertex as usize]);
-        own.over(|map| {
-            let length = map.transform_point3a(at).length();
-            if length.is_finite() { length } else { 0.0 }
-        })
+        let images = Self(own).at(mesh.positions[vertex as usize]);
+        let squared = squared_lengths(&images);
+        let squared = Vec4::select(squared.is_finite_mask(), squared, Vec4::ZERO);
+        Self::over(Vec4::from_array(squared.to_array().map(f32::sqrt)))
     }
+}
+
+/// Squared lengths of vectors.
+#[inline]
+pub(super) fn squared_lengths([x, y, z]: &Images) -> Vec4 {
+    *x * *x + *y * *y + *z * *z
 }
 
 impl Looks {
@@ -123,11 +155,6 @@ pub(super) fn influences(mesh: &Mesh, vertex: usize) -> impl Iterator<Item = (us
     pairs
         .filter(|(_, w)| **w != 0.0)
         .map(|(b, w)| (usize::from(*b), *w))
-}
-
-fn add(to: &mut Affine3A, of: &Affine3A, weight: f32) {
-    to.matrix3 += of.matrix3 * weight;
-    to.translation += of.translation * weight;
 }
 
 fn difference(a: &Affine3A, b: &Affine3A) -> Affine3A {

@@ -17,7 +17,6 @@
 //! display. A renderer that blends may blend two of these as well, whose error is measured too.
 
 mod bake;
-mod beyond;
 mod keys;
 mod level_error;
 mod looks;

@@ -1,7 +1,7 @@
 //! The skins of all levels and their watched vertices.
 
 use super::CacheOptions;
-use super::level_error::{Group, LevelError};
+use super::level_error::{BoundedSkin, LevelError};
 use crate::character::Asset;
 use crate::joint_lods::{MergedLevels, Watched};
 use articula_core::{Mesh, skin_points};
@@ -10,11 +10,9 @@ use glam::{Affine3A, Vec3};
 /// The skins of all levels and the vertices to measure.
 pub(super) struct Skins {
     meshes: Vec<Mesh>,
-    /// Vertices of each binding, of each level.
-    groups: Vec<Vec<Group>>,
+    /// Patches of each level.
+    bounded: Vec<BoundedSkin>,
     watched: Watched,
-    /// Vertices of the sample over which percentiles are computed.
-    sample: Vec<u32>,
     palette: Vec<Affine3A>,
 }
 
@@ -27,10 +25,11 @@ impl Skins {
         let meshes: Vec<Mesh> = all.map(|level| levels.skins.mesh(level, full)).collect();
         let watched = Watched::tips(full, opts.vertices, opts.seed);
         let drawn = watched.vertices.iter().zip(&watched.drawn);
+        let sample: Vec<u32> = drawn.filter(|(_, d)| **d).map(|(v, _)| *v).collect();
+        let bounded = meshes.iter().map(|m| BoundedSkin::new(m, &sample));
         Self {
-            groups: meshes.iter().map(Group::of).collect(),
+            bounded: bounded.collect(),
             meshes,
-            sample: drawn.filter(|(_, d)| **d).map(|(v, _)| *v).collect(),
             watched,
             palette: Vec::new(),
         }
@@ -43,7 +42,7 @@ impl Skins {
 
     /// The error of nothing yet at a level.
     pub(super) fn error(&self, level: usize) -> LevelError<'_> {
-        LevelError::new(&self.meshes[level], &self.groups[level], &self.sample)
+        LevelError::new(&self.meshes[level], &self.bounded[level])
     }
 
     /// Whether each watched vertex belongs to the sample over which percentiles are computed.

@@ -1,5 +1,6 @@
 //! A point of the skin that moves with it.
 
+use articula_core::{BLOCK_POSES, PointBlock};
 use glam::Vec3;
 
 /// A point of the skin: a weighted mean of three vertices.
@@ -44,6 +45,25 @@ impl SkinPoint {
             return a;
         }
         a * u + b * v + c * w
+    }
+
+    /// [`posed`](Self::posed) in each pose of a block.
+    #[inline]
+    pub(crate) fn posed_block(&self, positions: &[PointBlock]) -> PointBlock {
+        let [a, b, c] = self.corners.map(|v| &positions[v as usize]);
+        let [u, v, w] = self.weights;
+        if v == 0.0 && w == 0.0 {
+            return *a;
+        }
+        let [a, b, c] = [a, b, c].map(PointBlock::components);
+        let mut out = [[0.0; BLOCK_POSES]; 3];
+        for (row, out) in out.iter_mut().enumerate() {
+            let corners = a[row].iter().zip(b[row]).zip(c[row]);
+            for (out, ((a, b), c)) in out.iter_mut().zip(corners) {
+                *out = a * u + b * v + c * w;
+            }
+        }
+        PointBlock::new(out)
     }
 }
 

@@ -2,7 +2,7 @@
 
 /// Number of values of `count` that may exceed their 95th percentile as `percentile` interpolates
 /// it: those beyond the upper of its two neighbours.
-pub(super) fn points_beyond(count: usize) -> usize {
+pub(crate) fn points_beyond(count: usize) -> usize {
     let below = (0.95 * count.saturating_sub(1) as f32) as usize;
     count.saturating_sub(below + 2)
 }
