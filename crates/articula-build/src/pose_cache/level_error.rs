@@ -6,7 +6,7 @@
 //! its vertices, since the length of an affine function of the position is convex. Bounds are enlarged by
 //! the greatest sum of weights, so that no vertex is off by more than the greatest one of its bindings. Ticks are looked at in
 //! the order of these bounds, so that the first ones have nearly the greatest errors; of the others only
-//! vertices are skinned whose sum exceeds the greatest error so far.
+//! vertices are skinned whose sum exceeds the greatest error so far, in patches of which the same holds.
 
 use super::looks::{Change, Images, Looks, ShownError, influences, squared_lengths};
 use crate::beyond::points_beyond;
