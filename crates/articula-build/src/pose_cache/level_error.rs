@@ -108,9 +108,10 @@ impl<'a> LevelError<'a> {
     fn add_all(&mut self, changes: &[Change], bounds: &[f32]) {
         let worst = &mut self.error.worst_metres;
         for group in &self.skin.all {
-            // What is not a number exceeds nothing.
-            let may_exceed = coarse_bound(&group.weights, bounds) > *worst;
-            for patch in group.patches.iter().filter(|_| may_exceed) {
+            if coarse_bound(&group.weights, bounds) <= *worst {
+                continue;
+            }
+            for patch in &group.patches {
                 if !self.skin.may_exceed(patch, (changes, bounds), *worst) {
                     continue;
                 }
@@ -355,6 +356,12 @@ mod tests {
     fn what_is_not_finite_counts_as_nothing() {
         let mut mesh = Mesh::clone(&arm(2).mesh);
         mesh.positions[3] = Vec3::NAN;
+        // Beside each other, vertices on one binding and on both.
+        mesh.influences = 2;
+        let of = |v: usize| [(v % 2) as u16, 1 - (v % 2) as u16];
+        mesh.binding_indices = (0..mesh.len()).flat_map(of).collect();
+        let shares = |v: usize| [[1.0, 0.0], [0.75, 0.25]][v / 2 % 2];
+        mesh.weights = (0..mesh.len()).flat_map(shares).collect();
         let mut looks = Looks::new(2);
         let same = [Affine3A::IDENTITY; 2];
         let lost = [Affine3A::from_translation(Vec3::NAN); 2];
@@ -367,5 +374,19 @@ mod tests {
         found.take(&looks);
         assert_eq!(found.error().worst_metres, 0.25);
         assert_eq!(found.error().percentile_metres, 0.25);
+        // Where one binding is lost, the vertices on others alone count.
+        let further = Affine3A::from_translation(Vec3::X * 0.5);
+        for shown in [[lost[0], further], [further, lost[0]]] {
+            looks.clear();
+            looks.add([&same; 3], [&shown; 3]);
+            let mut found = LevelError::new(&mesh, &skin);
+            found.take(&looks);
+            let length = |v: &u32| Change::of_vertex(looks.tick(0), &mesh, *v);
+            let worst = all.iter().map(length).fold(0.0, f32::max);
+            assert_eq!((worst, found.error().worst_metres), (0.5, 0.5));
+            let mut lengths: Vec<f32> = all.iter().map(length).collect();
+            let percentile = percentile(&mut lengths, 0.95);
+            assert_eq!((percentile, found.error().percentile_metres), (0.5, 0.5));
+        }
     }
 }

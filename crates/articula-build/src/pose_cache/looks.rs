@@ -39,14 +39,18 @@ impl Change {
         }))
     }
 
-    /// Greatest number that is added where the images of a point are computed, given its greatest coordinate.
+    /// Greatest number that is added where the images of a point are computed, given its greatest coordinate;
+    /// infinite where that is not a number.
     #[inline]
     pub(super) fn magnitude(&self, coordinate: f32) -> f32 {
         let greatest = |of: &[Vec4]| of.iter().fold(Vec4::ZERO, |most, c| most.max(c.abs()));
         let (linear, moved) = self.0.split_at(9);
-        (greatest(linear) * coordinate)
-            .max(greatest(moved))
-            .max_element()
+        let most = (greatest(linear) * coordinate).max(greatest(moved));
+        if self.0.iter().all(|c| c.is_finite()) {
+            most.max_element()
+        } else {
+            f32::INFINITY
+        }
     }
 
     /// What this changes otherwise than another.
