@@ -123,7 +123,7 @@ pub(crate) fn release_modules() -> Result<Option<String>> {
             .args(["--target", TARGET])
             .args(features)
             .env("RUSTFLAGS", SIMD))?;
-        generate(&target().join(TARGET).join("web"), module)?;
+        generate(&target().join(TARGET).join("web"), module, true)?;
     }
     Ok(None)
 }
@@ -134,7 +134,8 @@ pub(crate) fn dev_modules() -> Result<PathBuf> {
     for module in MODULES {
         // Each alone: what another one has, pages do not find in it either.
         build_dev(Some(module.name))?;
-        generate(&platform::built(TARGET), module)?;
+        // It takes seconds, so of the modules that are tested one is folded.
+        generate(&platform::built(TARGET), module, module.name == PLAY.name)?;
     }
     Ok(root().join(FOLDER))
 }
@@ -154,14 +155,16 @@ pub(crate) fn test(folder: &Path, steps: &str, prepared: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Makes the JavaScript, the declaration and the final module of what was compiled into a folder.
-fn generate(compiled: &Path, module: &Module) -> Result<()> {
+/// Makes the JavaScript, the declaration and the final module of what was compiled into a folder; functions with the
+/// same code are one if it is folded.
+fn generate(compiled: &Path, module: &Module, is_folded: bool) -> Result<()> {
     let words = ["run", "--quiet", "-p", "xtask-web", "--"];
     run(cargo()
         .args(words)
         .arg(compiled.join(COMPILED))
         .arg(module.name)
-        .arg(root().join(FOLDER)))
+        .arg(root().join(FOLDER))
+        .args(is_folded.then_some("--fold")))
 }
 
 /// Bytes of a module as served plain, by gzip (9) and by brotli (11), and of its JavaScript.

@@ -23,11 +23,11 @@ pub(super) enum Side {
 }
 
 /// The column at the mirrored side.
-pub(super) fn across(column: usize) -> usize {
+fn across(column: usize) -> usize {
     (COLUMNS + COLUMNS / 2 - column) % COLUMNS
 }
 
-pub(super) fn mirrored(displacement: Vec3) -> Vec3 {
+fn mirrored(displacement: Vec3) -> Vec3 {
     Vec3::new(-displacement.x, displacement.y, displacement.z)
 }
 
@@ -50,6 +50,15 @@ impl Motion {
         };
         Self {
             nodes: (0..COLUMNS).flat_map(of).collect(),
+        }
+    }
+
+    /// Sets those at the other side of some columns to their mirrored motions; a column in the middle is left.
+    pub(super) fn copy_across(&mut self, columns: &[usize]) {
+        for (own, other) in columns.iter().map(|c| (*c, across(*c))) {
+            for row in 0..if own == other { 0 } else { ROWS } {
+                self.nodes[other * ROWS + row] = mirrored(self.nodes[own * ROWS + row]);
+            }
         }
     }
 

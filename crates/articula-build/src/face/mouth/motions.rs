@@ -5,7 +5,7 @@ use super::super::table::{FaceTable, still_below_least};
 use super::super::unfold::SkinFolds;
 use super::chart::{COLUMNS, MouthChart, ROWS};
 use super::measure;
-use super::motion::{Motion, Side, across, mirrored};
+use super::motion::{Motion, Side};
 use glam::Vec3;
 use thiserror::Error;
 
@@ -64,6 +64,29 @@ fn columns(index: usize) -> Vec<usize> {
     (0..COLUMNS)
         .filter(|c| index >= EVEN.len() || is_left(c))
         .collect()
+}
+
+/// What the nodes before the next one let expect of it: a parallelogram with its neighbours in its row and its column.
+fn predicted(before: &[i16]) -> i16 {
+    let place = before.len();
+    let back = |by: usize| before[place - by];
+    match (place >= ROWS, !place.is_multiple_of(ROWS)) {
+        (true, true) => back(ROWS)
+            .wrapping_add(back(1))
+            .wrapping_sub(back(ROWS + 1)),
+        (true, false) => back(ROWS),
+        (false, true) => back(1),
+        (false, false) => 0,
+    }
+}
+
+/// A number with its sign as the lowest bit, so that small ones have small bytes.
+fn folded(number: i16) -> u16 {
+    ((number << 1) ^ (number >> 15)) as u16
+}
+
+fn unfolded(number: u16) -> i16 {
+    (number >> 1) as i16 ^ -((number & 1) as i16)
 }
 
 impl MouthMotions {
@@ -128,39 +151,53 @@ impl MouthMotions {
         if found != expected {
             return Err(BrokenMotions { expected, found });
         }
-        let mut values = bytes
-            .chunks_exact(2)
-            .map(|b| UNIT * f32::from(i16::from_le_bytes([b[0], b[1]])));
-        let mut next = || values.next().unwrap_or_default();
+        let (low, high) = bytes.split_at(expected / 2);
+        let mut differences = low
+            .iter()
+            .zip(high)
+            .map(|(low, high)| unfolded(u16::from_le_bytes([*low, *high])));
         let mut motions = vec![Motion::still(); all];
         for (index, motion) in motions.iter_mut().enumerate() {
-            for column in columns(index) {
-                for row in 0..ROWS {
-                    let displacement = Vec3::new(next(), next(), next());
-                    if index < EVEN.len() {
-                        motion.nodes[across(column) * ROWS + row] = mirrored(displacement);
-                    }
-                    motion.nodes[column * ROWS + row] = displacement;
+            let columns = columns(index);
+            for axis in 0..3 {
+                let mut units: Vec<i16> = Vec::with_capacity(columns.len() * ROWS);
+                for difference in differences.by_ref().take(columns.len() * ROWS) {
+                    units.push(difference.wrapping_add(predicted(&units)));
                 }
+                for (column, units) in columns.iter().zip(units.chunks_exact(ROWS)) {
+                    for (node, unit) in motion.nodes[column * ROWS..].iter_mut().zip(units) {
+                        node[axis] = UNIT * f32::from(*unit);
+                    }
+                }
+            }
+            if index < EVEN.len() {
+                motion.copy_across(&columns);
             }
         }
         Ok(Self { motions })
     }
 
-    /// The motions as bytes: for each blend shape, column and row of the chart the displacement, each component as a
-    /// little-endian integer of 16 bits in 50 000ths of the height of the face. Of shapes that are alike on both sides
-    /// there are the columns of the left one.
+    /// The motions as bytes: for each blend shape and axis, the displacements of all nodes, column by column, in
+    /// 50 000ths of the height of the face. Each is a difference of 16 bits from what the nodes before it let expect,
+    /// with its sign as the lowest bit; the lower bytes of all come first. Of shapes that are alike on both sides there
+    /// are the columns of the left one.
     pub fn write(&self) -> Vec<u8> {
-        let mut bytes = Vec::new();
+        let mut differences = Vec::new();
         for (index, motion) in self.motions.iter().enumerate() {
-            for column in columns(index) {
-                for displacement in &motion.nodes[column * ROWS..(column + 1) * ROWS] {
-                    let units = displacement.to_array().map(|c| (c / UNIT).round() as i16);
-                    bytes.extend(units.into_iter().flat_map(i16::to_le_bytes));
+            for axis in 0..3 {
+                let mut units = Vec::new();
+                for column in columns(index) {
+                    for displacement in &motion.nodes[column * ROWS..(column + 1) * ROWS] {
+                        let unit = (displacement[axis] / UNIT).round() as i16;
+                        differences.push(folded(unit.wrapping_sub(predicted(&units))));
+                        units.push(unit);
+                    }
                 }
             }
         }
-        bytes
+        let bytes = differences.iter().map(|d| d.to_le_bytes());
+        let low = bytes.clone().map(|[low, _]| low);
+        low.chain(bytes.map(|[_, high]| high)).collect()
     }
 
     /// Returns the displacement of each vertex of a head by a blend shape, by its name in ARKit, metres; `None` if it is
@@ -241,6 +278,22 @@ mod tests {
                 STORED.len() - 1
             )
         );
+    }
+
+    #[test]
+    fn the_greatest_motions_are_kept() {
+        let motion = |step: usize| {
+            let unit = |i: usize| UNIT * f32::from([i16::MIN, i16::MAX, -1, 0, 2][i * step % 5]);
+            let node = |n: usize| Vec3::new(unit(n), unit(n + 1), unit(n + 2));
+            let nodes = (0..COLUMNS * ROWS).map(node).collect();
+            Motion { nodes }
+        };
+        let motions = (1..=EVEN.len() + SIDED.len()).map(motion).collect();
+        let mut all = MouthMotions { motions };
+        for motion in &mut all.motions[..EVEN.len()] {
+            motion.copy_across(&columns(0));
+        }
+        assert_eq!(MouthMotions::read(&all.write()).unwrap(), all);
     }
 
     #[test]
