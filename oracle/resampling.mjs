@@ -181,7 +181,7 @@ try {
     const chosen = name === undefined ? clips : clips.filter((clip) => clip.name === name);
     if (chosen.length === 0) throw new Error(`${file} has no clip ${name}`);
     const asset = extname(file) === ".vrma" ? undefined : join(folder, "asset.glb");
-    if (asset) articula("build", file, asset, "--without", NOT_CLIPS);
+    if (asset) articula("build", file, asset, "--levels", "1", "--without", NOT_CLIPS);
     for (const [index, clip] of chosen.entries()) await judge(file, asset, index, clip);
   }
 } finally {

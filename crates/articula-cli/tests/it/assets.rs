@@ -122,6 +122,34 @@ fn six_characters_play_the_same_from_their_assets() {
 }
 
 #[test]
+fn an_asset_has_the_levels_of_crowds_unless_others_are_asked_for() {
+    let here = folder("usual-levels");
+    let built = |words: &[&str]| json(&here, &[&["build"], words].concat());
+    let count = |report: &Value| report["levels"].as_array().unwrap().len();
+    let usual = built(&[word(short()), "usual.glb"]);
+    assert!(count(&usual) > 6, "{}", usual["levels"]);
+    let none = built(&[word(short()), "none.glb", "--levels", "1"]);
+    assert_eq!(count(&none), 0);
+    // A file keeps its levels.
+    let again = built(&["usual.glb", "again.glb"]);
+    assert_eq!(count(&again), 0, "no others are made");
+    let crowd = |file: &str| {
+        let words = ["crowd", file, "--count", "400", "--seconds", "0.1"];
+        let report = json(&here, &words);
+        let warned = report["warnings"].to_string().contains("all triangles");
+        (report["frame"]["triangles"].as_f64().unwrap(), warned)
+    };
+    let (plain, asset) = (crowd(word(short())), crowd("usual.glb"));
+    assert_eq!(asset, crowd("again.glb"));
+    assert_eq!(plain, asset, "as of the file itself");
+    let (triangles, warned) = crowd("none.glb");
+    assert!(triangles > 1.5 * asset.0 && warned, "{triangles}");
+    let alone = ["build", "none.glb", "x.glb", "--levels", "1", "--free-face"];
+    let why = fault(&here, 2, &alone);
+    assert!(why.contains("--free-face needs mesh levels"), "{why}");
+}
+
+#[test]
 fn clips_are_stored_as_motion_streams_beside_their_keys() {
     let here = folder("compact");
     let words = ["build", word(short()), "a.glb", "--compact-clips=0.5"];
@@ -166,7 +194,13 @@ fn a_check_says_what_is_missing_or_stale() {
     assert_eq!(found["is_whole"], true, "{found}");
     assert_eq!(found["warnings"], Value::Array(Vec::new()));
 
-    let out = ["part.glb", "--without", "pose-cache,contacts"];
+    let out = [
+        "part.glb",
+        "--levels",
+        "1",
+        "--without",
+        "pose-cache,contacts",
+    ];
     assert_eq!(build(&out).status, 0);
     let ran = articula(&here, &["build", "--check", "part.glb", "--json"]);
     assert_eq!(ran.status, 1);

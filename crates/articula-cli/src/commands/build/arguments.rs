@@ -1,9 +1,9 @@
 //! The flags of `build` for mesh levels.
 
 use anyhow::Context;
-use articula::MeshLevelOptions;
 use articula::build::ErrorWeighting;
 use articula::core::{Region, Zone};
+use articula::{CharacterFile, MeshLevelOptions};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -25,7 +25,8 @@ const HEADING: &str = "Mesh levels";
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MeshLevelArgs {
     /// Maximum number of mesh levels, from all triangles down to 1.5 % of them; levels with an error
-    /// in motion above 5 % of the size of the figure are left out
+    /// in motion above 5 % of the size of the figure are left out; 1 for none [default: those of crowds,
+    /// at most 12 down to 40 triangles, if the file has none]
     #[arg(long, value_name = "N", help_heading = HEADING, value_parser = clap::value_parser!(u16).range(1..=16))]
     levels: Option<u16>,
     /// Triangles of each level in percent, finest first; made whatever their errors are
@@ -65,16 +66,51 @@ enum Counted {
     Joint,
 }
 
+/// Mesh levels that are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Wanted {
+    /// Those of the file or, if it has none, those that crowds of it are shown with.
+    Usual,
+    /// No others than those of the file.
+    Kept,
+    These(MeshLevelOptions),
+}
+
+impl Wanted {
+    /// The options for a character, if levels are to be made.
+    pub(super) fn options(self, character: &CharacterFile) -> Option<MeshLevelOptions> {
+        match self {
+            Self::Usual => usual(character),
+            Self::Kept => None,
+            Self::These(options) => Some(options),
+        }
+    }
+}
+
+/// The levels that crowds are shown with, if the character has triangles for more than one and no levels yet.
+fn usual(character: &CharacterFile) -> Option<MeshLevelOptions> {
+    let meshes = &character.character().meshes;
+    if meshes
+        .iter()
+        .any(|m| !m.levels.is_empty() || !m.clustered.is_empty())
+    {
+        return None;
+    }
+    let primitives = meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let options = MeshLevelOptions::for_crowds(primitives.map(|p| p.triangles.len()).sum());
+    (options.targets.len() > 1).then_some(options)
+}
+
 impl MeshLevelArgs {
-    /// The options, if any level is asked for; options without a level are a usage error.
-    pub(crate) fn wanted(&self) -> anyhow::Result<Option<MeshLevelOptions>> {
+    /// What is asked for; options of levels without any are a usage error.
+    pub(super) fn wanted(&self) -> anyhow::Result<Wanted> {
         let has_twice = |i: usize| self.split[..i].iter().any(|z| z.1 == self.split[i].1);
         if let Some(i) = (0..self.split.len()).find(|i| has_twice(*i)) {
             let what = format!("--split: {} is given twice", self.split[i].0);
             return Err(fault::usage(what));
         }
         let targets = match (self.levels, self.targets.as_slice()) {
-            (None, []) => {
+            (None | Some(1), []) => {
                 let alone = [
                     (!self.region_weight.is_empty(), "--region-weight"),
                     (!self.split.is_empty(), "--split"),
@@ -88,7 +124,10 @@ impl MeshLevelArgs {
                     let what = format!("{flag} needs mesh levels; add --levels 5");
                     return Err(fault::usage(what));
                 }
-                return Ok(None);
+                return Ok(match self.levels {
+                    None => Wanted::Usual,
+                    Some(_) => Wanted::Kept,
+                });
             }
             (Some(levels), []) => MeshLevelOptions::levels(usize::from(levels)).targets,
             (levels, given) => {
@@ -109,7 +148,7 @@ impl MeshLevelArgs {
             }
         };
         let base = MeshLevelOptions::levels(targets.len());
-        Ok(Some(MeshLevelOptions {
+        Ok(Wanted::These(MeshLevelOptions {
             targets,
             // Levels that are named one by one are made whatever their errors are.
             max_error: base.max_error.filter(|_| self.targets.is_empty()),

@@ -157,7 +157,7 @@ fn missed_gains(asset: &CrowdAsset, options: &CrowdOptions) -> Vec<String> {
     let is_plain = options.mesh_levels.is_none() && !asset.has_mesh_lods();
     if chooses && is_plain && asset.full().mesh.triangles.len() > MANY_TRIANGLES {
         found.push(
-            "every level draws all triangles, since the asset has no mesh levels; build it with --levels 6, or give --mesh-levels"
+            "every level draws all triangles, since the asset has no mesh levels; build it without --levels 1, or give --mesh-levels"
                 .to_owned(),
         );
     }
