@@ -113,7 +113,7 @@ pub use pose_cache::{
 pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses, positions};
 pub use reduce::{ClipSize, clip_size, hold_joints_in_clip, whole_clip_size};
 pub use resampling_error::{Played, ResamplingError, resampling_error};
-pub use sampling_rate::source_rate_hz;
+pub use sampling_rate::{sampling_bound_metres, source_rate_hz};
 pub use scene::{
     ClipPlayback, CrossFade, Cue, IMPORTANCE_RANGE, PLAZA_COUNT, Plaza, Role, Scene,
     SceneCharacter, SceneImportance, SceneView, USUAL_ROLES, Wall, Zone, plaza,

@@ -139,7 +139,7 @@ pub use painted_human::painted_human;
 #[cfg(feature = "prepare")]
 pub use prepare::{
     CheckedPart, ClipTables, PartBytes, PartState, PrepareOptions, PreparedAsset, PreparedCheck,
-    PreparedPart, check_prepared, prepare,
+    PreparedMeshLevels, PreparedPart, check_prepared, prepare,
 };
 pub use recording::Recording;
 pub use resampling::{ClipResampling, clip_resampling};

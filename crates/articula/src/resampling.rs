@@ -2,13 +2,12 @@
 
 use crate::error::{Context, Result};
 use articula_build::clip_edit::resample_keys;
-use articula_build::{ClipOptions, Played, resampling_error, sampled_clip, sampling_rate_hz};
-use articula_core::source::{Character, RawClip};
+use articula_build::{
+    ClipOptions, Played, resampling_error, sampled_clip, sampling_bound_metres, sampling_rate_hz,
+};
+use articula_core::source::{Character, RawClip, Skeleton};
 use articula_core::{Clip, Mesh};
 use serde::Serialize;
-
-/// Displacement in millimetres from which on it is told.
-const TOLD_MM: f64 = 0.1;
 
 /// Maximum rate that is proposed, in frames per second.
 const MAX_RATE_HZ: f32 = 240.0;
@@ -23,13 +22,17 @@ pub struct ClipResampling {
     /// Greatest displacement of the skin from the file in millimetres; of joints where there is no
     /// mesh.
     pub resampling_mm: f64,
+    /// Displacement in millimetres from which on a warning is given: 0.1, in figures beyond 2 m a share of their extent.
+    #[serde(skip)]
+    pub told_mm: f64,
 }
 
 impl ClipResampling {
-    /// Returns what a user should know of a clip whose frames are 0.1 mm or more from its file.
+    /// Returns what a user should know of a clip whose frames are [`told_mm`](Self::told_mm) or more from its
+    /// file.
     pub fn warning(&self) -> Option<String> {
         let (name, mm) = (&self.clip, self.resampling_mm);
-        let rate = self.rate_hz.filter(|_| mm >= TOLD_MM)?;
+        let rate = self.rate_hz.filter(|_| mm >= self.told_mm)?;
         let mend = match (2.0 * rate).min(MAX_RATE_HZ) {
             finer if finer > 1.01 * rate => {
                 format!("convert it with --rate {} first", finer.ceil())
@@ -69,7 +72,13 @@ pub(crate) fn of_frames(
         clip: file.name.clone(),
         rate_hz: Some(clip.rate_hz()),
         resampling_mm: 1e3 * error.metres,
+        told_mm: told_mm(&character.skeleton),
     }
+}
+
+/// The displacement of a figure's skin in millimetres from which on it is told.
+pub(crate) fn told_mm(skeleton: &Skeleton) -> f64 {
+    1e3 * f64::from(sampling_bound_metres(skeleton))
 }
 
 /// Returns the rate of the frames of the first clip of a character in hertz; 30 without clips.

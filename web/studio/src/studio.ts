@@ -152,11 +152,7 @@ export class Studio extends EventTarget {
   }
 
   async #prepare(bytes: Uint8Array, name: string): Promise<void> {
-    // Of an opened file without a mesh there are no levels of it.
-    const isBare = name === this.character.name && this.character.asset.shape().geometry.index?.count === 0;
-    const glb = await this.task.run(`Preparing ${name}`, (watch) =>
-      this.articula.tools.prepare(bytes, name, { ...(!isBare && { meshLevels: 4 }), ...watch }),
-    );
+    const glb = await this.task.run(`Preparing ${name}`, (watch) => this.articula.tools.prepare(bytes, name, watch));
     this.#show(await opened(this.articula, glb, kindOf(name) === 'played' ? name : `${name}.glb`));
   }
 

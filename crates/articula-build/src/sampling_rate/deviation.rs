@@ -10,9 +10,10 @@ use glam::{Affine3A, Quat, Vec3, Vec3A};
 
 /// Share of the stated bounds that the measured times may show: between them blends lag a little more.
 const SHARE: f32 = 0.7;
-/// Maximum displacement of skin, 0.1 mm, in figures beyond 2 m as a share of their extent, and of a joint's rotation against its parent, 0.05 degrees.
-const SKIN_METRES: f32 = SHARE * 1e-4;
-const EXTENT_SHARE: f32 = SHARE * 5e-5;
+/// Maximum displacement of skin, in figures beyond 2 m as a share of their extent, and of a joint's rotation
+/// against its parent, 0.05 degrees.
+const SKIN_METRES: f32 = 1e-4;
+const EXTENT_SHARE: f32 = 5e-5;
 const TURN_RADIANS: f32 = SHARE * 0.05 * std::f32::consts::PI / 180.0;
 /// Of weights of morph targets and expressions: a target that moves skin by 5 cm stays within 0.1 mm.
 const WEIGHT: f32 = SHARE * 2e-3;
@@ -113,7 +114,7 @@ impl<'a> Follower<'a> {
             skeleton,
             sampler,
             reaches: reaches(skeleton),
-            skin_metres: SKIN_METRES.max(EXTENT_SHARE * extent(skeleton)),
+            skin_metres: SHARE * sampling_bound_metres(skeleton),
             moving,
             turning,
             jump_times: rising(all_jumps.collect()),
@@ -396,6 +397,13 @@ fn times(clip: &RawClip) -> Vec<f32> {
 }
 
 /// The figure's extent at rest, in metres: that of a root is in no other space.
+/// Returns the displacement of the skin in metres within which frames at the rate of
+/// [`sampling_rate_hz`](crate::sampling_rate_hz) follow keys of no regular interval: 0.1 mm, and in figures beyond 2 m a
+/// share of their extent.
+pub fn sampling_bound_metres(skeleton: &Skeleton) -> f32 {
+    SKIN_METRES.max(EXTENT_SHARE * extent(skeleton))
+}
+
 fn extent(skeleton: &Skeleton) -> f32 {
     let joints = skeleton.joints.iter().zip(skeleton.local_extents());
     let roots = joints.filter(|(joint, _)| joint.parent.is_none());

@@ -17,6 +17,8 @@ use articula_core::{angle_between, nlerp};
 use deviation::Follower;
 use glam::{Quat, Vec3};
 
+pub use deviation::sampling_bound_metres;
+
 /// Greatest difference of rates that are taken to be one.
 const NEAR_SHARE: f32 = 5e-3;
 

@@ -13,7 +13,7 @@ use articula::formats::gltf::Document;
 use articula::human::HumanOptions;
 use articula::{
     AddClipsOptions, CharacterFile, Figure, MeshLevelOptions, PrepareOptions, PreparedAsset,
-    prepare,
+    PreparedMeshLevels, prepare,
 };
 use articula_report::demo::Demo;
 use clap::Args;
@@ -161,7 +161,7 @@ fn make_asset(
         }
     };
     let options = PrepareOptions {
-        mesh_levels: Some(MeshLevelOptions::levels(5)),
+        mesh_levels: PreparedMeshLevels::New(MeshLevelOptions::levels(5)),
         ..PrepareOptions::default()
     };
     let built = console.work(|work| prepare(opened, &options, work))?;

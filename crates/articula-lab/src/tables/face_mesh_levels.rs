@@ -8,7 +8,9 @@ use super::Run;
 use super::targets::{Target, section};
 use anyhow::{Context, Result};
 use articula::face::face_layout;
-use articula::{CharacterFile, Executor, Figure, MeshLevelOptions, PrepareOptions, prepare};
+use articula::{
+    CharacterFile, Executor, Figure, MeshLevelOptions, PrepareOptions, PreparedMeshLevels, prepare,
+};
 use articula_build::{LevelDistances, measure_levels};
 use articula_core::Mesh;
 use std::collections::BTreeSet;
@@ -87,7 +89,7 @@ fn measure(name: &'static str, path: &Path, is_bare: bool) -> Result<Vec<Row>> {
     let mut made: Vec<Vec<Made>> = Vec::new();
     for keep_face in [false, true] {
         let options = PrepareOptions {
-            mesh_levels: Some(MeshLevelOptions {
+            mesh_levels: PreparedMeshLevels::New(MeshLevelOptions {
                 max_error: None,
                 keep_face,
                 ..MeshLevelOptions::levels(LEVELS)

@@ -16,7 +16,7 @@ use articula::speech::{Sound, VisemeTrack};
 use articula::stream::description::Context;
 use articula::{
     Camera, CharacterFile, Executor, Figure, GroupedSkin, MeshLevelOptions, OpenOptions,
-    PrepareOptions, Viewport, open, prepare,
+    PrepareOptions, PreparedMeshLevels, Viewport, open, prepare,
 };
 use std::error::Error;
 
@@ -39,7 +39,7 @@ pub(crate) fn take(tell: &mut dyn FnMut(&str, u64)) -> Found<Vec<u8>> {
     let opened = cut(opened(FILE, "knight.glb")?)?;
     tell("open", asset(&Figure::new(opened.clone())?));
     let options = PrepareOptions {
-        mesh_levels: Some(MeshLevelOptions::levels(2)),
+        mesh_levels: PreparedMeshLevels::New(MeshLevelOptions::levels(2)),
         ..PrepareOptions::default()
     };
     let prepared = prepare(opened.clone(), &options, &work)?.glb;

@@ -23,7 +23,8 @@ pub struct Tools {}
 #[wasm_bindgen]
 impl Tools {
     /// Computes what crowds and figures of a character read, and returns it as a GLB file with it. `options` is
-    /// JSON: `{meshLevels?: number}`, 1 to 16; without it no mesh levels are made.
+    /// JSON: `{meshLevels?: number}`, 1 to 16; 1 makes none. Without it the asset has the mesh levels of the file or, if it has
+    /// none, those that crowds are shown with.
     pub fn prepare(
         bytes: &[u8],
         name: &str,

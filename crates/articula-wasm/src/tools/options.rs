@@ -5,7 +5,7 @@ use crate::long_options::mesh_levels;
 use articula::convert::{AddClipsOptions, ConvertOptions, JointReduction, MovingJoints};
 use articula::core::joint_state::PassivePolicy;
 use articula::core::loa::LoaExpression;
-use articula::{MeshLevelOptions, PrepareOptions};
+use articula::{MeshLevelOptions, PrepareOptions, PreparedMeshLevels};
 use serde::Deserialize;
 
 /// Options of `prepare`.
@@ -19,7 +19,11 @@ impl Prepare {
     pub(super) fn options(self) -> Result<PrepareOptions> {
         let levels = self.mesh_levels.map(mesh_levels).transpose()?;
         Ok(PrepareOptions {
-            mesh_levels: levels.map(MeshLevelOptions::levels),
+            mesh_levels: match levels {
+                None => PreparedMeshLevels::ForCrowds,
+                Some(1) => PreparedMeshLevels::OfFile,
+                Some(levels) => PreparedMeshLevels::New(MeshLevelOptions::levels(levels)),
+            },
             ..PrepareOptions::default()
         })
     }

@@ -9,7 +9,7 @@ use super::same_joints::Twins;
 use super::same_names::Namesakes;
 use crate::error::{Context, Error, Result};
 use crate::open::{CharacterFile, ClipProvenance, FittedClip, Format, NameTransfer, choose};
-use crate::resampling::{ClipResampling, keyed_mm};
+use crate::resampling::{ClipResampling, keyed_mm, told_mm};
 use crate::work::Executor;
 use articula_build::retarget::{
     RetargetFigure, RetargetOptions, RetargetReport, Retargeter, is_hands_alone, retarget_hands,
@@ -233,6 +233,7 @@ fn resampling(
         clip: clip.name.clone(),
         rate_hz: Some(rate_hz),
         resampling_mm: keyed_mm(character, clip, rate_hz)?,
+        told_mm: told_mm(&character.skeleton),
     })
 }
 

@@ -1,7 +1,7 @@
 //! An encoded file, and the data that its format cannot hold.
 
+use crate::mesh_levels::coarser_levels;
 use crate::open::{CharacterFile, Format};
-use articula_core::source::RawMesh;
 
 /// The bytes of a file, and the data that was left out.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -66,12 +66,8 @@ pub(super) fn meshes(opened: &CharacterFile) -> Option<LossyPart> {
 
 /// The number of coarser levels of all meshes, for a format that holds meshes with one level each.
 pub(super) fn mesh_levels(opened: &CharacterFile) -> Option<LossyPart> {
-    let coarser = |mesh: &RawMesh| {
-        let of_primitive = mesh.clustered.iter().map(|c| c.clusters.levels() - 1);
-        mesh.levels.len().max(of_primitive.max().unwrap_or(0))
-    };
     let meshes = opened.character().meshes.iter();
-    counted(meshes.map(coarser).sum(), LossyPart::MeshLevels)
+    counted(meshes.map(coarser_levels).sum(), LossyPart::MeshLevels)
 }
 
 pub(super) fn counted(count: usize, left_out: fn(usize) -> LossyPart) -> Option<LossyPart> {

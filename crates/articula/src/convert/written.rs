@@ -6,7 +6,7 @@ use super::left_out::{EncodedFile, LossyPart, counted, mesh_levels, meshes};
 use super::{ClipEdited, ConvertOptions, body, faps, joint_names, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{CharacterFile, Data, DataFormat, Format};
-use crate::resampling::{ClipResampling, clip_resampling, first_clip_rate_hz, keyed_mm};
+use crate::resampling::{ClipResampling, clip_resampling, first_clip_rate_hz, keyed_mm, told_mm};
 use articula_build::sampling_rate_hz;
 use articula_formats::gltf::Document;
 use articula_formats::x3d::{self, Site};
@@ -91,6 +91,7 @@ pub(super) fn resampling(
                     None => 0.0,
                 },
                 rate_hz,
+                told_mm: told_mm(&character.skeleton),
             })
         });
         measured.collect::<Result<_>>()?

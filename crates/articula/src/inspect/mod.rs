@@ -38,7 +38,7 @@ use crate::face::{FaceLayout, NamedTarget, driven_faps, named_controls};
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
 use crate::optimize::{BytesByKind, OptimizeReport};
-use crate::resampling::ClipResampling;
+use crate::resampling::{ClipResampling, told_mm};
 use crate::work::Executor;
 use articula_build::joint_names::{
     DoubtReason, JointDoubt, MappingConfidence, MappingEvidence, UnmappedReason,
@@ -619,6 +619,7 @@ fn oddities(found: &Inspection, figure: &Figure) -> Vec<WarningInspection> {
             clip: clip.name.clone(),
             rate_hz: clip.rate_hz,
             resampling_mm,
+            told_mm: told_mm(&figure.opened.character().skeleton),
         });
         if let Some(what) = resampling.and_then(|clip| clip.warning()) {
             say("clips", what);

@@ -31,10 +31,18 @@ pub use show::{
     ShownRegion,
 };
 
+use articula_core::source::RawMesh;
+
+/// Number of coarser levels that a mesh has.
+pub(crate) fn coarser_levels(mesh: &RawMesh) -> usize {
+    let of_primitive = mesh.clustered.iter().map(|c| c.clusters.levels() - 1);
+    mesh.levels.len().max(of_primitive.max().unwrap_or(0))
+}
+
 /// Range of primitives, counted over all meshes, for each mesh.
-fn parts_of_meshes_of(meshes: &[articula_core::source::RawMesh]) -> Vec<std::ops::Range<usize>> {
+fn parts_of_meshes_of(meshes: &[RawMesh]) -> Vec<std::ops::Range<usize>> {
     let mut first = 0;
-    let range = |mesh: &articula_core::source::RawMesh| {
+    let range = |mesh: &RawMesh| {
         let range = first..first + mesh.primitives.len();
         first = range.end;
         range

@@ -12,7 +12,7 @@ mod tables;
 mod write;
 
 pub use check::{CheckedPart, PartState, PreparedCheck, check_prepared};
-pub use options::PrepareOptions;
+pub use options::{PrepareOptions, PreparedMeshLevels};
 pub use part::{PartBytes, PreparedPart};
 pub use tables::ClipTables;
 
@@ -66,8 +66,9 @@ pub fn prepare(
 ) -> Result<PreparedAsset> {
     let name = opened.name().to_owned();
     let opened = with_document(opened).with_context(|| &name)?;
+    let wanted = options.mesh_levels.made_of(&opened.character().meshes);
     // Mesh levels are other meshes, as the document codes them.
-    let shown = options.mesh_levels.is_none();
+    let shown = wanted.is_none();
     let shown = shown.then(|| ShownHashes::of(opened.character(), &opened.articulation()));
     let figure = Figure::computed(opened)?;
     let source = figure.into_source();
@@ -90,7 +91,7 @@ pub fn prepare(
     }
     let mut triangles = source.mesh_levels;
     let mut levels = None;
-    if let Some(wanted) = &options.mesh_levels {
+    if let Some(wanted) = &wanted {
         let made = mesh_levels::add(
             &figure,
             (&mut gltf, orders.as_deref()),

@@ -1,8 +1,9 @@
 //! Options of `prepare`.
 
 use super::part::PreparedPart;
-use crate::mesh_levels::MeshLevelOptions;
+use crate::mesh_levels::{MeshLevelOptions, coarser_levels};
 use articula_core::feature_points::PointId;
+use articula_core::source::RawMesh;
 use articula_stream::abp2::MotionOptions;
 use glam::Vec3;
 
@@ -11,8 +12,8 @@ use glam::Vec3;
 pub struct PrepareOptions {
     /// Seed of the samples of vertices and frames.
     pub seed: u64,
-    /// Options of the mesh levels. `None` makes none; those that the file has stay.
-    pub mesh_levels: Option<MeshLevelOptions>,
+    /// Mesh levels of the asset.
+    pub mesh_levels: PreparedMeshLevels,
     /// Options of motion streams (ABP-2) that are stored beside the keys of each clip; `None` stores
     /// none. The hash of the rig is set.
     pub compact_clips: Option<MotionOptions>,
@@ -21,6 +22,36 @@ pub struct PrepareOptions {
     /// Feature points of the face that are known, with their places in model space; the others are
     /// found.
     pub face_points: Vec<(PointId, Vec3)>,
+}
+
+/// Mesh levels that an asset is prepared with.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub enum PreparedMeshLevels {
+    /// Those of the file or, if it has none, those that crowds are shown with
+    /// ([`MeshLevelOptions::for_crowds`]).
+    #[default]
+    ForCrowds,
+    /// Those of the file alone.
+    OfFile,
+    /// New ones, instead of those of the file.
+    New(MeshLevelOptions),
+}
+
+impl PreparedMeshLevels {
+    /// Options of the levels that are to be made of these meshes, if any.
+    pub(super) fn made_of(&self, meshes: &[RawMesh]) -> Option<MeshLevelOptions> {
+        match self {
+            Self::ForCrowds if meshes.iter().any(|m| coarser_levels(m) > 0) => None,
+            Self::ForCrowds => {
+                let primitives = meshes.iter().flat_map(|mesh| &mesh.primitives);
+                let triangles = primitives.map(|p| p.triangles.len()).sum();
+                let options = MeshLevelOptions::for_crowds(triangles);
+                (options.targets.len() > 1).then_some(options)
+            }
+            Self::OfFile => None,
+            Self::New(options) => Some(options.clone()),
+        }
+    }
 }
 
 impl PrepareOptions {
@@ -34,7 +65,7 @@ impl Default for PrepareOptions {
     fn default() -> Self {
         Self {
             seed: 1,
-            mesh_levels: None,
+            mesh_levels: PreparedMeshLevels::default(),
             compact_clips: None,
             without: Vec::new(),
             face_points: Vec::new(),

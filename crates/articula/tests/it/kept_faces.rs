@@ -7,7 +7,8 @@ use articula::face::{add_face_table, face_layout};
 use articula::glam::Vec3;
 use articula::{
     CharacterFile, ConvertOptions, Executor, Figure, Format, LevelChoice, MeshLevelOptions,
-    OpenOptions, PrepareOptions, PreparedAsset, ShownLevelOptions, convert, fs, open, prepare,
+    OpenOptions, PrepareOptions, PreparedAsset, PreparedMeshLevels, ShownLevelOptions, convert, fs,
+    open, prepare,
 };
 use articula_core::source::Primitive;
 use std::collections::BTreeSet;
@@ -17,7 +18,7 @@ const TARGETS: [f64; 4] = [1.0, 0.5, 0.25, 0.1];
 
 fn built(head: CharacterFile, keep_face: bool) -> PreparedAsset {
     let options = PrepareOptions {
-        mesh_levels: Some(MeshLevelOptions {
+        mesh_levels: PreparedMeshLevels::New(MeshLevelOptions {
             targets: TARGETS.to_vec(),
             max_error: None,
             keep_face,

@@ -5,7 +5,8 @@ use crate::short::shortened;
 use articula::convert::{LossyPart, write};
 use articula::{
     CharacterFile, ConvertOptions, Converted, Executor, Format, LevelChoice, MeshLevelOptions,
-    MeshView, OpenOptions, PrepareOptions, ShownLevelOptions, convert, open, prepare,
+    MeshView, OpenOptions, PrepareOptions, PreparedMeshLevels, ShownLevelOptions, convert, open,
+    prepare,
 };
 use articula_core::source::Character;
 use articula_core::{Mesh, Region, Viewport, Zone, lod_error_metres};
@@ -25,7 +26,7 @@ fn asset() -> CharacterFile {
     let asset = ASSET.get_or_init(|| {
         let human = shortened(human(), 1.0);
         let options = PrepareOptions {
-            mesh_levels: Some(MeshLevelOptions {
+            mesh_levels: PreparedMeshLevels::New(MeshLevelOptions {
                 split: vec![
                     ("face".to_owned(), Zone::from(Region::Face)),
                     ("hands".to_owned(), Zone::from(Region::Hands)),

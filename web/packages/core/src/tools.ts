@@ -11,7 +11,10 @@ export interface TaskOptions {
 
 /** Options of {@link Tools.prepare}. */
 export interface PrepareOptions extends TaskOptions {
-  /** Meshes of less detail, with the finest; none are made if left out. */
+  /**
+   * Levels of the mesh to make, the finest included, 1 to 16; 1 makes none. If left out, the asset has those of the
+   * file or, if it has none, those that crowds are shown with.
+   */
   readonly meshLevels?: number | undefined;
 }
 

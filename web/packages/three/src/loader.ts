@@ -18,7 +18,7 @@ export class ArticulaLoader extends Loader<ArticulaAsset, AssetSource> {
   readonly #options: LoadOptions;
   /** Whether a GLB or VRM that is not prepared is. Figures do not need it; a crowd is then made faster. */
   prepare = true;
-  /** Levels of detail of the mesh, if the file is prepared. */
+  /** Levels of the mesh to make if the file is prepared: see `PrepareOptions` of `@articula/core`. */
   meshLevels: number | undefined;
   /** Ends preparing. */
   signal: AbortSignal | undefined;

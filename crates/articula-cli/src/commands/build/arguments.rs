@@ -3,7 +3,7 @@
 use anyhow::Context;
 use articula::build::ErrorWeighting;
 use articula::core::{Region, Zone};
-use articula::{CharacterFile, MeshLevelOptions};
+use articula::{MeshLevelOptions, PreparedMeshLevels};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -66,44 +66,9 @@ enum Counted {
     Joint,
 }
 
-/// Mesh levels that are asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Wanted {
-    /// Those of the file or, if it has none, those that crowds of it are shown with.
-    Usual,
-    /// No others than those of the file.
-    Kept,
-    These(MeshLevelOptions),
-}
-
-impl Wanted {
-    /// The options for a character, if levels are to be made.
-    pub(super) fn options(self, character: &CharacterFile) -> Option<MeshLevelOptions> {
-        match self {
-            Self::Usual => usual(character),
-            Self::Kept => None,
-            Self::These(options) => Some(options),
-        }
-    }
-}
-
-/// The levels that crowds are shown with, if the character has triangles for more than one and no levels yet.
-fn usual(character: &CharacterFile) -> Option<MeshLevelOptions> {
-    let meshes = &character.character().meshes;
-    if meshes
-        .iter()
-        .any(|m| !m.levels.is_empty() || !m.clustered.is_empty())
-    {
-        return None;
-    }
-    let primitives = meshes.iter().flat_map(|mesh| &mesh.primitives);
-    let options = MeshLevelOptions::for_crowds(primitives.map(|p| p.triangles.len()).sum());
-    (options.targets.len() > 1).then_some(options)
-}
-
 impl MeshLevelArgs {
     /// What is asked for; options of levels without any are a usage error.
-    pub(super) fn wanted(&self) -> anyhow::Result<Wanted> {
+    pub(super) fn wanted(&self) -> anyhow::Result<PreparedMeshLevels> {
         let has_twice = |i: usize| self.split[..i].iter().any(|z| z.1 == self.split[i].1);
         if let Some(i) = (0..self.split.len()).find(|i| has_twice(*i)) {
             let what = format!("--split: {} is given twice", self.split[i].0);
@@ -125,8 +90,8 @@ impl MeshLevelArgs {
                     return Err(fault::usage(what));
                 }
                 return Ok(match self.levels {
-                    None => Wanted::Usual,
-                    Some(_) => Wanted::Kept,
+                    None => PreparedMeshLevels::ForCrowds,
+                    Some(_) => PreparedMeshLevels::OfFile,
                 });
             }
             (Some(levels), []) => MeshLevelOptions::levels(usize::from(levels)).targets,
@@ -148,7 +113,7 @@ impl MeshLevelArgs {
             }
         };
         let base = MeshLevelOptions::levels(targets.len());
-        Ok(Wanted::These(MeshLevelOptions {
+        Ok(PreparedMeshLevels::New(MeshLevelOptions {
             targets,
             // Levels that are named one by one are made whatever their errors are.
             max_error: base.max_error.filter(|_| self.targets.is_empty()),

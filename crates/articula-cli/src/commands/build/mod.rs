@@ -151,7 +151,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     }
     let mut options = PrepareOptions {
         seed: args.seed,
-        mesh_levels: None,
+        mesh_levels,
         compact_clips: args.compact_clips.map(|mm| MotionOptions {
             tolerance_metres: 1e-3 * mm,
             ..MotionOptions::default()
@@ -184,7 +184,6 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         }
         None => None,
     };
-    options.mesh_levels = mesh_levels.options(&opened);
     let built = console.work(|work| prepare(opened, &options, work));
     let built = built.map_err(|error| match (error.cause(), &args.mesh_levels.lock) {
         (articula::Error::LockedVertices(what), Some(list)) => {

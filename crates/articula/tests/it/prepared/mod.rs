@@ -11,7 +11,7 @@ use articula::crowd::{
 };
 use articula::{
     CharacterFile, Executor, Figure, Format, MeshLevelOptions, MotionTables, OpenOptions,
-    PartState, PrepareOptions, PreparedPart, check_prepared, open, prepare,
+    PartState, PrepareOptions, PreparedMeshLevels, PreparedPart, check_prepared, open, prepare,
 };
 use articula_formats::gltf::Document;
 use glam::Vec3;
@@ -42,7 +42,7 @@ fn built(source: CharacterFile, options: &PrepareOptions) -> Vec<u8> {
 
 fn levelled() -> PrepareOptions {
     PrepareOptions {
-        mesh_levels: Some(MeshLevelOptions::levels(5)),
+        mesh_levels: PreparedMeshLevels::New(MeshLevelOptions::levels(5)),
         ..PrepareOptions::default()
     }
 }
@@ -364,7 +364,11 @@ fn what_is_left_out_is_missing_and_computed() {
     // By default what is prepared has the meshes that it stores, and what is not gets levels.
     let has_levels = |figure| crowd_of(figure, &CrowdOptions::default()).has_mesh_lods();
     assert!(has_levels(&fresh));
-    let plain = Figure::new(opened(&built(human(), &PrepareOptions::default()))).unwrap();
+    let unlevelled = PrepareOptions {
+        mesh_levels: PreparedMeshLevels::OfFile,
+        ..PrepareOptions::default()
+    };
+    let plain = Figure::new(opened(&built(human(), &unlevelled))).unwrap();
     assert!(!has_levels(&plain));
     for part in [
         PreparedPart::Clips,
@@ -373,7 +377,7 @@ fn what_is_left_out_is_missing_and_computed() {
     ] {
         let options = PrepareOptions {
             without: vec![part, PreparedPart::PoseCache],
-            ..PrepareOptions::default()
+            ..unlevelled.clone()
         };
         let glb = built(human(), &options);
         let check = check_prepared(opened(&glb)).unwrap();
