@@ -56,6 +56,7 @@ impl PreparedClip {
         options: &PrepareClipOptions,
         progress: &mut Progress<'_>,
     ) -> Result<Self, PlanarError> {
+        let uncut = clip.albedo.len() as u32;
         let painted = Painted::of(&clip, &options.order)?;
         progress.step(0.4)?;
         // The baseline sorts the clip before it is cut.
@@ -83,7 +84,10 @@ impl PreparedClip {
             drawn,
             clip,
             wrong_percent_depth_sort,
-            underlap: UnderlapOptions::default(),
+            underlap: UnderlapOptions {
+                uncut,
+                ..UnderlapOptions::default()
+            },
         })
     }
 

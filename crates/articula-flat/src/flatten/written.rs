@@ -214,6 +214,7 @@ fn key_framed(
     // Corners on both sides of an edge may be off in opposite directions.
     let underlap = UnderlapOptions {
         distance_px: prepared.underlap.distance_px + SLACK * quality.pos_tol_px,
+        ..prepared.underlap
     };
     let PreparedClip {
         painting,
@@ -246,7 +247,7 @@ fn key_framed(
         bytes,
         // The distance, not x or y alone.
         position_rmse_px: stats.position_rmse_px * std::f64::consts::SQRT_2,
-        keys: stats.outline_keys + stats.line_keys,
+        keys: stats.outline_keys + stats.line_keys + stats.color_keys,
         shapes: keyed.shapes.len(),
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),

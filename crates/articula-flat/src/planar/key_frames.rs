@@ -4,6 +4,7 @@
 //! Where the format allows it, a gradient line is stored as fractions of its shape's bounding box,
 //! since it then moves along with the shape and most lines are constant.
 
+use super::changing_color::CornerColors;
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
@@ -11,7 +12,7 @@ use super::few_colors::few_colors;
 use super::keyed_clip::{BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use super::keyed_motion::KeyedMotion;
 use super::merge::{Region, merge, seal_regions};
-use super::moving_gradient::{self, Corners, Wanted};
+use super::moving_gradient::{self, Corners, SLACKS, Wanted};
 use super::order::Layer;
 use super::shading::{Colors, Shading};
 use super::shared_motion::Placed;
@@ -26,6 +27,14 @@ use std::rc::Rc;
 
 /// The tolerance of colours, divided by what of it may be spent on having few colours.
 const SHARE_OF_COLORS: f32 = 4.0;
+
+/// Share of the tolerance within which one colour takes the place of a gradient that is as close for its bytes alone:
+/// beside gradients it shows more.
+const CHANGING: f64 = 0.5;
+/// Factor by which one colour is closer than a gradient where it takes its place otherwise.
+const CLOSER: f64 = 1.6;
+/// Length of an element without what it names, about.
+const ELEMENT: usize = 50;
 
 /// Tolerances, shading and units of the key-frame reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,6 +82,10 @@ pub(crate) struct KeyStats {
     pub moving_gradients: usize,
     /// Number of keys of moving gradients.
     pub line_keys: usize,
+    /// Number of shapes with one colour that changes, in place of a gradient.
+    pub changing_colors: usize,
+    /// Number of keys of these colours.
+    pub color_keys: usize,
     /// RMS error of gradients at corners in drawn frames, weighted by area, levels.
     pub color_rmse_levels: f64,
 }
@@ -349,16 +362,7 @@ impl<'a> Reducer<'a> {
         let frames = clip.frames.len() as u32;
         let paint = match colors {
             Colors::Flat(color) => KeyedPaint::Flat(color),
-            Colors::Ramp(color) => {
-                let line = self.line(layer, colors, &wish, &outline);
-                let next = self.ramps.len() as u32;
-                let ramp = *self.ramps.entry(color).or_insert(next);
-                KeyedPaint::Ramp { ramp, line }
-            }
-            Colors::Own(stops) => {
-                let line = self.line(layer, colors, &wish, &outline);
-                KeyedPaint::Own { stops, line }
-            }
+            Colors::Ramp(_) | Colors::Own(_) => self.shaded(layer, colors, &wish, &outline),
         };
         KeyedShape {
             motion,
@@ -455,26 +459,31 @@ impl<'a> Reducer<'a> {
         }
     }
 
-    /// Gradient line of a layer whose outline is already keyed.
-    fn line(
+    /// Paint of a layer whose outline is already keyed: a gradient, or one colour that changes where that needs fewer
+    /// bytes or is closer.
+    fn shaded(
         &mut self,
         layer: &Layer,
         colors: Colors,
         wish: &Wish,
         outline: &KeyedTrack,
-    ) -> KeyedTrack {
+    ) -> KeyedPaint {
         let t = layer.triangle as usize;
         let level = 1.0 / f64::from(colors.span_levels().max(1.0));
-        let tol = f64::from(self.options.col_tol_levels.max(0.5)) * level;
-        let frame = |f: usize| {
-            let reach = wish.reach[f];
-            if !reach.is_finite() {
-                return None;
-            }
-            let corners = self.painted(f, (t, colors), wish, outline);
-            let slack = slack_of_small(&self.clip.places(f, t));
+        let tolerance = |f: usize| {
+            let tol = f64::from(self.options.col_tol_levels.max(0.5));
             let tol = if wish.is_shown[f] { tol } else { 2.0 * tol };
-            Some((corners, tol * slack))
+            let is_relevant = wish.reach[f].is_finite();
+            is_relevant.then(|| tol * slack_of_small(&self.clip.places(f, t)))
+        };
+        let mut of_corners = CornerColors::default();
+        for f in 0..wish.is_shown.len() {
+            let corners = self.clip.triangles[t].map(|v| self.clip.color(f, v));
+            of_corners.push(corners, tolerance(f));
+        }
+        let frame = |f: usize| {
+            let corners = self.painted(f, (t, colors), wish, outline);
+            Some((corners, tolerance(f)? * level))
         };
         let wanted = Wanted {
             frames: (0..wish.is_shown.len()).map(frame).collect(),
@@ -484,7 +493,23 @@ impl<'a> Reducer<'a> {
                 LineUnits::Box => &[BOX / 10, BOX / 100, 1],
             },
         };
-        let line = moving_gradient::few_keys(&wanted);
+        let slack = of_corners.least_slack();
+        let line = moving_gradient::few_keys(&wanted, CLOSER * slack);
+        let changing = match &line {
+            Some(line) if line.is_still() || slack > CHANGING => None,
+            Some(line) => {
+                let color = of_corners.few_keys(CHANGING);
+                (text_of_color(&color) < text_of_line(line)).then_some(color)
+            }
+            None => {
+                let slack = SLACKS.into_iter().find(|s| slack <= *s).unwrap_or(slack);
+                Some(of_corners.few_keys(slack))
+            }
+        };
+        if let Some(color) = changing {
+            return self.changing(of_corners, color, t, wish);
+        }
+        let line = line.unwrap_or_default();
         self.stats.gradients += 1;
         for f in (0..wish.is_shown.len()).filter(|f| wish.is_shown[*f]) {
             let area = area(&self.clip.places(f, t));
@@ -496,7 +521,37 @@ impl<'a> Reducer<'a> {
             self.stats.moving_gradients += 1;
             self.stats.line_keys += line.len();
         }
-        line
+        match colors {
+            Colors::Own(stops) => KeyedPaint::Own { stops, line },
+            Colors::Ramp(color) | Colors::Flat(color) => {
+                let next = self.ramps.len() as u32;
+                let ramp = *self.ramps.entry(color).or_insert(next);
+                KeyedPaint::Ramp { ramp, line }
+            }
+        }
+    }
+
+    /// Paint of a triangle with one colour that changes.
+    fn changing(
+        &mut self,
+        of_corners: CornerColors,
+        color: KeyedTrack,
+        triangle: usize,
+        wish: &Wish,
+    ) -> KeyedPaint {
+        for f in (0..wish.is_shown.len()).filter(|f| wish.is_shown[*f]) {
+            let area = area(&self.clip.places(f, triangle));
+            if let Some(apart) = of_corners.off(f, &color) {
+                self.levels.add(apart, area);
+            }
+        }
+        self.stats.changing_colors += 1;
+        self.stats.color_keys += color.len();
+        if color.is_still() {
+            let levels = color.key(0);
+            return KeyedPaint::Flat(std::array::from_fn(|c| levels[c] as u8));
+        }
+        KeyedPaint::Changing(color)
     }
 
     /// Positions at which the colours of the corners are to be painted: the corners before sealing,
@@ -526,6 +581,18 @@ impl<'a> Reducer<'a> {
     }
 }
 
+/// Length of the text of a colour that changes, about.
+fn text_of_color(color: &KeyedTrack) -> usize {
+    ELEMENT + 8 * color.len()
+}
+
+/// Length of the text of a gradient and its line, about.
+fn text_of_line(line: &KeyedTrack) -> usize {
+    let moves = |n: &usize| (1..line.len()).any(|k| line.key(k)[*n] != line.key(0)[*n]);
+    let moving = (0..line.width).filter(moves).count();
+    2 * ELEMENT + moving * (ELEMENT + 5 * line.len())
+}
+
 /// Position relative to an outline's bounding box, in thousandths.
 fn in_box(outline: &[f64], place: [f64; 2]) -> [f64; 2] {
     let of = |n: usize| {
@@ -539,257 +606,4 @@ fn in_box(outline: &[f64], place: [f64; 2]) -> [f64; 2] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::clip::fixture;
-    use super::*;
-    use crate::planar::order::Painting;
-    use crate::vector::AnimatedSvg;
-    use crate::vector::smil;
-
-    fn unsealed(clip: &PlanarClip) -> Sealed {
-        let of = |f| {
-            (0..clip.triangles.len())
-                .map(|t| clip.places(f, t))
-                .collect()
-        };
-        Sealed {
-            corners: (0..clip.frames.len()).map(of).collect(),
-        }
-    }
-
-    fn reduced(clip: &PlanarClip, options: &KeyOptions) -> (KeyedClip, KeyStats, Vec<Layer>) {
-        let drawn = Drawn::of(clip).unwrap();
-        let layers = Painting::single(clip, &drawn).unwrap().layers(&drawn);
-        let (keyed, stats) = keyed(clip, &drawn, &layers, &unsealed(clip), options).unwrap();
-        keyed.check().unwrap();
-        (keyed, stats, layers)
-    }
-
-    #[test]
-    fn every_drawn_corner_is_within_the_tolerance() {
-        let clip = fixture::turning_cube(60);
-        for (pos_tol_px, lines) in [
-            (0.25, LineUnits::Grid),
-            (0.5, LineUnits::Box),
-            (2.0, LineUnits::Box),
-        ] {
-            let options = KeyOptions {
-                pos_tol_px,
-                lines,
-                ..KeyOptions::default()
-            };
-            let (keyed, stats, layers) = reduced(&clip, &options);
-            assert!(
-                stats.position_max_px <= f64::from(pos_tol_px) + 1e-6,
-                "{stats:?}"
-            );
-            assert!(stats.color_rmse_levels <= 8.0, "{stats:?}");
-            assert!(stats.outline_keys < 12 * 30, "{stats:?}");
-            for (shape, layer) in keyed.shapes.iter().zip(&layers) {
-                for f in layer.frames.iter().cloned().flatten() {
-                    assert!(shape.is_shown_at(f as f64));
-                    let at = shape.outline.at(f as f64);
-                    let places = clip.places(f, layer.triangle as usize);
-                    for (i, place) in places.into_iter().enumerate() {
-                        let keyed = Vec2::new(at[2 * i] as f32, at[2 * i + 1] as f32) / GRID as f32;
-                        let off = (keyed - place).abs().max_element();
-                        assert!(off <= pos_tol_px + 1e-4, "frame {f}: {off}");
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn corners_of_shapes_that_follow_a_motion_are_within_the_tolerance_too() {
-        let clip = fixture::turning_cube(40);
-        let still = |values: Vec<i32>| KeyedTrack::still(values);
-        let turning = KeyedMotion {
-            translation: still(vec![2000, 2000]),
-            rotation: KeyedTrack {
-                frames: vec![0, 39],
-                values: vec![0, 4000],
-                width: 1,
-            },
-            skew: still(vec![800]),
-            scale: still(vec![12_000, 8000]),
-        };
-        let drawn = Drawn::of(&clip).unwrap();
-        let layers = Painting::single(&clip, &drawn).unwrap().layers(&drawn);
-        let options = KeyOptions::default();
-        let of_layer = vec![Some(0); layers.len()];
-        let along = |motions: &[KeyedMotion]| {
-            let sealed = unsealed(&clip);
-            let subject = (&clip, &drawn, &layers[..], &sealed);
-            let follow = (motions, &of_layer[..]);
-            keyed_along(subject, follow, &options, &mut Progress::none())
-        };
-        let (keyed, stats) = along(std::slice::from_ref(&turning)).unwrap();
-        assert!(stats.position_max_px <= 0.5 + 1e-6, "{stats:?}");
-        assert!(stats.color_rmse_levels <= 8.0, "{stats:?}");
-        // On the picture, by the motion.
-        for (shape, layer) in keyed.shapes.iter().zip(&layers) {
-            for f in layer.frames.iter().cloned().flatten() {
-                let at = shape.outline.at(f as f64);
-                let places = clip.places(f, layer.triangle as usize);
-                for (i, place) in places.into_iter().enumerate() {
-                    let point = DVec2::new(at[2 * i], at[2 * i + 1]);
-                    let shown = turning.at(f as f64).transform_point2(point) / f64::from(GRID);
-                    let off = (shown - place.as_dvec2()).abs().max_element();
-                    assert!(off <= 0.5 + 1e-4, "frame {f}: {off}");
-                }
-            }
-        }
-        // The file read back shows the same as without a motion.
-        let picture = |clip: &KeyedClip| {
-            let moving = AnimatedSvg::read(&smil(clip, "").unwrap()).unwrap();
-            crate::vector::raster(&moving.at(0.8).unwrap(), [255; 4]).unwrap()
-        };
-        let (plain, ..) = reduced(&clip, &options);
-        let apart = crate::compare::rmse(&picture(&keyed), &picture(&plain)).unwrap();
-        assert!(apart < 9.0, "{apart} levels");
-        assert!(along(&[]).is_err());
-    }
-
-    #[test]
-    fn more_tolerance_never_needs_more_bytes_on_a_cube() {
-        let clip = fixture::turning_cube(60);
-        let length = |pos_tol_px: f32| {
-            let options = KeyOptions {
-                pos_tol_px,
-                shading: Shading::Flat,
-                ..KeyOptions::default()
-            };
-            smil(&reduced(&clip, &options).0, "").unwrap().len()
-        };
-        let lengths = [0.25, 0.5, 1.0, 2.0].map(length);
-        assert!(lengths.is_sorted_by(|a, b| a >= b), "{lengths:?}");
-    }
-
-    #[test]
-    fn a_triangle_that_slides_needs_two_keys_and_its_light_none() {
-        let corners = [[-6.0, 2.0, 0.5], [-6.0, 12.0, 0.5], [4.0, 2.0, 0.5]];
-        let mut clip = fixture::loose(&[(corners, [200, 100, 0])], 20);
-        for (f, frame) in clip.frames.iter_mut().enumerate() {
-            for p in &mut frame.xy {
-                p.x += f as f32;
-            }
-            frame.light = vec![0.4, 0.4, 0.9];
-        }
-        let (keyed, stats, _) = reduced(&clip, &KeyOptions::default());
-        assert_eq!((stats.outline_keys, stats.moving_gradients), (2, 0));
-        assert_eq!(keyed.ramps, [[200, 100, 0]]);
-        // The light covers the whole width of the box: black at -0.8, full at 1.2.
-        let KeyedPaint::Ramp { line, .. } = &keyed.shapes[0].paint else {
-            panic!("{keyed:?}");
-        };
-        let share = |x: f64| {
-            let [x1, x2] = [line.values[0], line.values[2]].map(f64::from);
-            (x * f64::from(BOX) - x1) / (x2 - x1)
-        };
-        assert!((share(0.0) - 0.4).abs() < 0.035 && (share(1.0) - 0.9).abs() < 0.035);
-    }
-
-    #[test]
-    fn edge_cases_are_written_and_read_back() {
-        let sound = [[2.0, 2.0, 0.5], [2.0, 30.0, 0.5], [30.0, 2.0, 0.5]];
-        let line = [[2.0, 2.0, 0.4], [12.0, 12.0, 0.4], [30.0, 30.0, 0.4]];
-        let outside = [[-90.0, -90.0, 0.3], [-90.0, 70.0, 0.3], [70.0, -90.0, 0.3]];
-        let of = |frames: usize| {
-            let colored = [(outside, [9; 3]), (line, [50; 3]), (sound, [80; 3])];
-            fixture::loose(&colored, frames)
-        };
-        for frames in [1, 2, 13] {
-            let mut clip = of(frames);
-            for (f, frame) in clip.frames.iter_mut().enumerate() {
-                // Nearly uniform light, and a triangle that appears late.
-                frame.light[0] = 0.999;
-                if 2 * f < frames - 1 {
-                    frame.xy.swap(6, 7);
-                }
-            }
-            let mut drawn = Drawn::of(&clip).unwrap();
-            drawn.set(frames - 1, 1, true);
-            // Two epochs share the first triangle.
-            let split = frames / 2;
-            let spans = |t: usize| drawn.spans(t);
-            let first: Vec<_> = std::iter::once(0..split)
-                .filter(|s| !s.is_empty())
-                .collect();
-            let layers = [
-                Layer {
-                    triangle: 0,
-                    frames: first,
-                },
-                Layer {
-                    triangle: 1,
-                    frames: spans(1),
-                },
-                Layer {
-                    triangle: 2,
-                    frames: spans(2),
-                },
-                Layer {
-                    triangle: 0,
-                    frames: std::iter::once(split..frames).collect(),
-                },
-            ];
-            let (sealed, usual) = (unsealed(&clip), KeyOptions::default());
-            let (keyed, stats) = keyed(&clip, &drawn, &layers, &sealed, &usual).unwrap();
-            assert!(stats.position_max_px <= 0.5 + 1e-6);
-            let text = smil(&keyed, "<&>\u{0}").unwrap();
-            let moving = AnimatedSvg::read(&text).unwrap();
-            for f in 0..frames {
-                let still = moving.at(f as f64 / 25.0).unwrap();
-                crate::vector::raster(&still, [255; 4]).unwrap();
-            }
-        }
-    }
-
-    #[test]
-    fn regions_are_one_shape_each_and_within_the_tolerance() {
-        let mut clip = fixture::turning_cube(30);
-        for frame in &mut clip.frames {
-            frame.light.fill(0.7);
-        }
-        let drawn = Drawn::of(&clip).unwrap();
-        let layers = Painting::single(&clip, &drawn).unwrap().layers(&drawn);
-        let regions = merge(&clip, &drawn, &layers, 4.0).unwrap();
-        let sealed = seal_regions(&clip, &regions, UnderlapOptions::default());
-        let options = KeyOptions::default();
-        let (keyed, stats) = keyed_regions(&clip, &regions, &sealed, &options).unwrap();
-        assert_eq!(keyed.shapes.len(), regions.len());
-        assert!(stats.position_max_px <= 0.5 + 1e-6, "{stats:?}");
-        smil(&keyed, "").unwrap();
-        assert!(keyed_regions(&clip, &regions, &sealed[1..], &options).is_err());
-        let merging = KeyOptions {
-            shading: Shading::Flat,
-            merge_levels: Some(4.0),
-            ..options
-        };
-        let (same, ..) = reduced(&clip, &merging);
-        assert_eq!(same, keyed);
-    }
-
-    #[test]
-    fn what_does_not_fit_is_refused() {
-        let clip = fixture::turning_cube(4);
-        let drawn = Drawn::of(&clip).unwrap();
-        let sealed = unsealed(&clip);
-        let options = KeyOptions::default();
-        let layer = |triangle, from, to| Layer {
-            triangle,
-            frames: std::iter::once(from..to).collect(),
-        };
-        for bad in [layer(12, 0, 4), layer(0, 0, 5), layer(0, 2, 2)] {
-            assert!(keyed(&clip, &drawn, &[bad], &sealed, &options).is_err());
-        }
-        let good = [layer(0, 0, 4)];
-        assert!(keyed(&clip, &Drawn::none(3, 12), &good, &sealed, &options).is_err());
-        let short = Sealed { corners: vec![] };
-        assert!(keyed(&clip, &drawn, &good, &short, &options).is_err());
-        let mut broken = clip.clone();
-        broken.frames[0].xy[0].x = f32::INFINITY;
-        assert!(keyed(&broken, &drawn, &good, &sealed, &options).is_err());
-    }
-}
+mod tests;

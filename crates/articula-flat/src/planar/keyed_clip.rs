@@ -72,6 +72,8 @@ pub(crate) struct KeyedShape {
 pub(crate) enum KeyedPaint {
     /// One colour, sRGB levels.
     Flat([u8; 3]),
+    /// One colour that changes: red, green and blue by key, sRGB levels.
+    Changing(KeyedTrack),
     /// A shared ramp from black to a colour, along a line.
     Ramp {
         /// Index into [`KeyedClip::ramps`].
@@ -164,6 +166,13 @@ impl KeyedShape {
         }
         let line = match &self.paint {
             KeyedPaint::Flat(_) => return Ok(()),
+            KeyedPaint::Changing(color) => {
+                let is_level = |level: &i32| (0..=255).contains(level);
+                return match color.width == 3 && color.values.iter().all(is_level) {
+                    true => color.check(frames),
+                    false => Err("a colour must have three levels of 0 to 255"),
+                };
+            }
             KeyedPaint::Ramp { ramp, .. } if *ramp as usize >= ramps => {
                 return Err("a ramp index is out of range");
             }

@@ -484,7 +484,14 @@ mod tests {
             regions.len(),
             layers.len()
         );
-        let sealed = seal_regions(&cube, &regions, UnderlapOptions { distance_px: 0.0 });
+        let sealed = seal_regions(
+            &cube,
+            &regions,
+            UnderlapOptions {
+                distance_px: 0.0,
+                ..UnderlapOptions::default()
+            },
+        );
         for f in 0..12 {
             let shown = |frames: &[Range<usize>]| frames.iter().any(|s| s.contains(&f));
             let of_layer = |l: &&Layer| shown(&l.frames);

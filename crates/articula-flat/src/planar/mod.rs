@@ -21,6 +21,7 @@
 
 mod atlas;
 mod bake;
+mod changing_color;
 pub(crate) mod clip;
 mod contrast;
 pub(crate) mod drawn;

@@ -37,19 +37,23 @@ type Moment = (f64, Corners, f64);
 type Line = [f64; 4];
 
 /// Returns a track of the line with few keys. Where the tolerance would need too many, as on
-/// slivers whose light turns over, it is widened in steps.
-pub(super) fn few_keys(wanted: &Wanted<'_>) -> KeyedTrack {
+/// slivers whose light turns over, it is widened in steps. `None` if `most` times it is not enough, unless
+/// that is more than the last step.
+pub(super) fn few_keys(wanted: &Wanted<'_>, most: f64) -> Option<KeyedTrack> {
     let constant = wanted.constant();
     for slack in SLACKS {
         // Coarse numbers have a shorter text.
         for step in wanted.steps {
             let still = KeyedTrack::still(constant.map(|v| rounded(v, *step)).to_vec());
             if wanted.holds(&still, slack) {
-                return still;
+                return Some(still);
             }
         }
         if let Some(track) = wanted.cheapest(constant, slack) {
-            return track;
+            return Some(track);
+        }
+        if most <= slack {
+            return None;
         }
     }
     // None may be within the tolerance. The frames' own lines may turn over between two frames, which is worse than a
@@ -68,14 +72,14 @@ pub(super) fn few_keys(wanted: &Wanted<'_>) -> KeyedTrack {
             a
         }
     };
-    better(better(still, own), every.track(1))
+    Some(better(better(still, own), every.track(1)))
 }
 
 /// Number of fits of a line that has a key at every frame.
 const FITS_OF_ALL: usize = 4;
 
 /// Factors of the tolerance, tried in order.
-const SLACKS: [f64; 4] = [1.0, 1.6, 2.5, 4.0];
+pub(super) const SLACKS: [f64; 4] = [1.0, 1.6, 2.5, 4.0];
 
 /// The nearest multiple of a step.
 fn rounded(value: f64, step: i32) -> i32 {
@@ -594,7 +598,7 @@ mod tests {
     #[test]
     fn even_light_by_hand() {
         // From 0.2 at x = 0 to 0.7 at x = 100: black at -40, full at 160.
-        let line = few_keys(&wanted(vec![Some([0.2, 0.7, 0.2]); 5]));
+        let line = few_keys(&wanted(vec![Some([0.2, 0.7, 0.2]); 5]), f64::INFINITY).unwrap();
         assert!(line.is_still());
         let [x1, y1, x2, y2] = line.values[..] else {
             panic!("{line:?}");
@@ -639,7 +643,7 @@ mod tests {
             })
             .collect();
         let wanted = wanted(frames);
-        let line = few_keys(&wanted);
+        let line = few_keys(&wanted, f64::INFINITY).unwrap();
         assert!(!line.is_still() && line.len() <= 4, "{line:?}");
         assert!(wanted.holds(&line, 1.0));
         // Only two of the four numbers move.
@@ -656,7 +660,7 @@ mod tests {
             vec![Some([0.0; 3]); 9],
         ] {
             let wanted = wanted(frames);
-            let line = few_keys(&wanted);
+            let line = few_keys(&wanted, f64::INFINITY).unwrap();
             assert!(line.is_still() && line.width == 4);
             assert!(wanted.holds(&line, 1.0));
         }
@@ -670,7 +674,7 @@ mod tests {
             Some([0.7 - slope, 0.7 + slope, 0.7])
         });
         let wanted = wanted(frames.collect());
-        let line = few_keys(&wanted);
+        let line = few_keys(&wanted, f64::INFINITY).unwrap();
         assert!(
             wanted.excess(&line) <= 4.0,
             "{line:?}: {}",
@@ -690,7 +694,7 @@ mod tests {
         let still = KeyedTrack::still(constant.map(|v| rounded(v, 1)).to_vec());
         let own = wanted.every_frame(constant).track(1);
         let harm = |track| wanted.harm(track);
-        let found = few_keys(&wanted);
+        let found = few_keys(&wanted, f64::INFINITY).unwrap();
         assert_eq!(found.len(), 12);
         assert!(harm(&found) < 0.5 * harm(&still).min(harm(&own)));
     }
@@ -702,11 +706,11 @@ mod tests {
                 .map(|f| Some([(f * 37 % 11) as f64 / 10.0, (f * 53 % 7) as f64 / 6.0, 0.5]))
                 .collect(),
         );
-        assert_eq!(few_keys(&wild).width, 4);
+        assert_eq!(few_keys(&wild, f64::INFINITY).unwrap().width, 4);
         for (corners, _) in wild.frames.iter_mut().flatten() {
             corners[2].0 = [50.0, 0.0];
             corners[1].0 = [0.0, 0.0];
         }
-        assert_eq!(few_keys(&wild).width, 4);
+        assert_eq!(few_keys(&wild, f64::INFINITY).unwrap().width, 4);
     }
 }

@@ -44,7 +44,7 @@ impl Windows<'_> {
     }
 
     /// Whether a track passes all windows.
-    fn holds(&self, track: &KeyedTrack) -> bool {
+    pub(super) fn holds(&self, track: &KeyedTrack) -> bool {
         (0..self.frames()).all(|f| {
             let values = track.at(f as f64);
             let off = |(a, b): (&f64, &f64)| (a - b).abs() <= self.reach[f] + 1e-9;

@@ -43,11 +43,16 @@ const OVER: f32 = 0.75;
 pub(crate) struct UnderlapOptions {
     /// Distance by which an edge reaches under its neighbour, pixels; 0 moves nothing.
     pub distance_px: f32,
+    /// Number of vertices before triangles were cut where others pass through them; those beyond are on cuts.
+    pub uncut: u32,
 }
 
 impl Default for UnderlapOptions {
     fn default() -> Self {
-        Self { distance_px: 0.8 }
+        Self {
+            distance_px: 0.8,
+            uncut: u32::MAX,
+        }
     }
 }
 
@@ -97,6 +102,7 @@ pub(crate) struct Sealer<'a> {
     clip: &'a PlanarClip,
     neighbours: Neighbours,
     distance: f32,
+    uncut: u32,
 }
 
 impl<'a> Sealer<'a> {
@@ -107,6 +113,7 @@ impl<'a> Sealer<'a> {
             neighbours: Neighbours::new(clip),
             // NaN becomes 0.
             distance: f32::max(options.distance_px, 0.0).min(MAX_DISTANCE),
+            uncut: options.uncut,
         }
     }
 
@@ -161,6 +168,11 @@ impl<'a> Sealer<'a> {
         rank: &impl Fn(u32) -> Option<u32>,
         under: &[[Vec2; 3]],
     ) -> Option<Side> {
+        let ends = [edge, (edge + 1) % 3].map(|i| self.clip.triangles[triangle][i]);
+        if ends.iter().all(|v| *v >= self.uncut) {
+            // What passes between the two pieces would be covered.
+            return None;
+        }
         let earlier = |n: &&Neighbour| rank(n.triangle).is_some_and(|r| r < own);
         let height = |n: &Neighbour| n.height(self.clip, frame, (triangle, edge));
         let all = self.neighbours.across(triangle, edge).iter();
@@ -386,7 +398,10 @@ mod tests {
         order.sort_by_key(|t| rank[*t as usize]);
         let frames = 0..clip.frames.len();
         let epochs = vec![Epoch { frames, order }];
-        let options = UnderlapOptions { distance_px };
+        let options = UnderlapOptions {
+            distance_px,
+            ..UnderlapOptions::default()
+        };
         seal(clip, &drawn, &Painting { epochs }, options)
             .corners
             .remove(0)
@@ -501,6 +516,25 @@ mod tests {
     }
 
     #[test]
+    fn no_piece_of_a_cut_triangle_covers_another_one() {
+        let place = |x: f32, y: f32| [x, y, 0.5];
+        let strip = [place(14.0, 20.0), place(0.0, 21.0), place(78.0, 21.0)];
+        let above = [place(46.0, -60.0), place(14.0, 20.0), place(78.0, 21.0)];
+        let clip = fixture::loose(&[(strip, [100; 3]), (above, [110; 3])], 1);
+        let covered = |uncut: u32| {
+            let options = UnderlapOptions {
+                uncut,
+                ..UnderlapOptions::default()
+            };
+            let corners = Sealer::new(&clip, options).frame(0, |_| true, Some);
+            moved_across(&clip, &corners, 1, 1)
+        };
+        assert!(covered(6).iter().all(|out| *out > 0.0));
+        // All corners of the second are on cuts.
+        assert_eq!(covered(3), [0.0, 0.0]);
+    }
+
+    #[test]
     fn a_tip_does_not_grow() {
         let place = |x: f32, y: f32| [x, y, 0.5];
         let (tip, a, b) = (place(60.0, 30.0), place(10.0, 28.0), place(10.0, 32.0));
@@ -558,7 +592,10 @@ mod tests {
             for (to, (x, y)) in cube.frames[0].xy.iter_mut().zip(places) {
                 *to = Vec2::new(f32::from(x), f32::from(y));
             }
-            let options = UnderlapOptions { distance_px: distance };
+            let options = UnderlapOptions {
+                distance_px: distance,
+                ..UnderlapOptions::default()
+            };
             let sealed = Sealer::new(&cube, options).frame(0, |_| true, |t| Some((t + turn) % 12));
             for (t, corners) in sealed.iter().enumerate() {
                 for (to, from) in corners.iter().zip(cube.places(0, t)) {

@@ -116,6 +116,11 @@ fn push_shape(text: &mut String, clip: &KeyedClip, shape: &KeyedShape) {
                 r#"{{"ty":"fl","o":{{"a":0,"k":100}},"r":1,"c":{{"a":0,"k":[{r},{g},{b}]}}}}"#,
             );
         }
+        KeyedPaint::Changing(color) => {
+            text.push_str(r#"{"ty":"fl","o":{"a":0,"k":100},"r":1,"c":"#);
+            push_track(text, color, 0..3, Form::Color);
+            text.push('}');
+        }
         KeyedPaint::Ramp { ramp, line } => {
             push_gradient(text, [[0; 3], clip.ramps[*ramp as usize]], line);
         }
@@ -182,6 +187,8 @@ enum Form {
     Point,
     /// Numbers in a fraction of their unit.
     Numbers(f64),
+    /// Levels of red, green and blue.
+    Color,
 }
 
 /// Writes a property: a range of the numbers of each key of a track.
@@ -208,7 +215,7 @@ fn push_track(text: &mut String, track: &KeyedTrack, part: Range<usize>, form: F
                 push_value(text, of(key), form);
                 text.push(']');
             }
-            Form::Point | Form::Numbers(_) => push_value(text, of(key), form),
+            Form::Point | Form::Numbers(_) | Form::Color => push_value(text, of(key), form),
         }
         if key + 1 < track.len() {
             text.push_str(r#","i":{"x":1,"y":1},"o":{"x":0,"y":0}"#);
@@ -227,6 +234,13 @@ fn push_value(text: &mut String, numbers: &[i32], form: Form) {
             text.push('[');
             push_list(text, numbers, |text, number| {
                 let _ = write!(text, "{}", f64::from(*number) / unit);
+            });
+            text.push(']');
+        }
+        Form::Color => {
+            text.push('[');
+            push_list(text, numbers, |text, level| {
+                text.push_str(&share(*level as u8))
             });
             text.push(']');
         }
@@ -373,6 +387,23 @@ mod tests {
         assert_eq!(behind[0]["ks"]["a"], 0);
         // 128 / 255 is 0.50196: a thousandth more gives 128 whether truncated or rounded.
         assert_eq!(behind[1]["c"]["k"], json!([0, 0.502, 1]));
+    }
+
+    #[test]
+    fn a_colour_that_changes_has_keys() {
+        let color = track(&[0, 4], &[255, 128, 0, 51, 0, 0]);
+        let outline = KeyedTrack::still(vec![0; 6]);
+        let document = read(&clip(vec![shape(outline, KeyedPaint::Changing(color))]));
+        let fill = &group(&document, 0)[1];
+        let straight = json!([{"x": 1, "y": 1}, {"x": 0, "y": 0}]);
+        assert_eq!(fill["ty"], "fl");
+        assert_eq!(
+            fill["c"],
+            json!({"a": 1, "k": [
+                {"t": 0, "s": [1, 0.502, 0], "i": straight[0], "o": straight[1]},
+                {"t": 4, "s": [0.2, 0, 0]},
+            ]})
+        );
     }
 
     #[test]

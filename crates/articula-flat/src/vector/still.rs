@@ -240,7 +240,10 @@ mod tests {
         let cube = fixture::turning_cube(8);
         for frame in 0..8 {
             let of = |shading, distance_px| {
-                let underlap = UnderlapOptions { distance_px };
+                let underlap = UnderlapOptions {
+                    distance_px,
+                    ..UnderlapOptions::default()
+                };
                 let options = StillOptions {
                     shading,
                     underlap,
