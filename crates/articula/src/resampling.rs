@@ -111,3 +111,24 @@ fn mesh(character: &Character) -> Result<Mesh> {
     let joints = character.skeleton.joints.len();
     Ok(Mesh::new(&character.meshes, joints)?)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_large_figures_miss_is_told_from_more_on() {
+        let of = |told_mm| ClipResampling {
+            clip: "walk".to_owned(),
+            rate_hz: Some(30.0),
+            resampling_mm: 0.2,
+            told_mm,
+        };
+        let told = of(0.1).warning().unwrap();
+        assert!(
+            told.contains("0.2 mm") && told.contains("--rate 60"),
+            "{told}"
+        );
+        assert_eq!(of(4.0).warning(), None);
+    }
+}

@@ -370,6 +370,8 @@ fn what_is_left_out_is_missing_and_computed() {
     };
     let plain = Figure::new(opened(&built(human(), &unlevelled))).unwrap();
     assert!(!has_levels(&plain));
+    let by_default = built(human(), &PrepareOptions::default());
+    assert!(has_levels(&Figure::new(opened(&by_default)).unwrap()));
     for part in [
         PreparedPart::Clips,
         PreparedPart::Skins,
